@@ -38,7 +38,7 @@ struct BenchFrictionOptions {
   int each = 2;
   double coefficient = 0.3;
   std::uint64_t seed = 0;  // 0: random
-  int cells = 14;          // of the block of Cattaneo and Mindlin
+  int cells = 12;          // in a radius of the contact of Cattaneo and Mindlin
   int squeezes = 8;
   bool known_alone = false;
   bool json = false;
@@ -102,7 +102,7 @@ Json known_figures(const BenchFrictionOptions& options, ProgressBar& bar) {
                 {"slip_largest_ratio", slip.largest_ratio},
                 {"slip_least_ratio_while_sliding", slip.least_sliding},
                 {"slip_energy_error", slip.energy_error},
-                {"slip_least_dissipated_J", slip.least_dissipated}};
+                {"slip_least_lost", slip.least_lost}};
   });
   add("rest", [] {
     Json rest = Json::object();
@@ -121,8 +121,11 @@ Json known_figures(const BenchFrictionOptions& options, ProgressBar& bar) {
     return Json{{"cattaneo_stick_radius_error", mindlin.stick_radius_error},
                 {"tangential_displacement_error", mindlin.displacement_error},
                 {"unloading_displacement_error", mindlin.unloading_error},
-                {"cattaneo_cell_over_radius", mindlin.cell},
-                {"cattaneo_least_dissipated_J", mindlin.least_dissipated}};
+                {"cattaneo_cells_in_radius", options.cells},
+                {"cattaneo_nodes", mindlin.nodes},
+                {"cattaneo_compliance_error", mindlin.compliance_error},
+                {"cattaneo_elastic_slip", mindlin.elastic_slip},
+                {"cattaneo_cone_error", mindlin.cone_error}};
   });
   figures["known_stopped"] = stopped;
   return figures;
@@ -225,9 +228,8 @@ void add_bench_friction(Command bench) {
   command.add_option("--seed", options->seed, "Of the scenes; 0: a fresh one, which is printed")
       .show_default();
   command
-      .add_option("--cells", options->cells,
-                  "Of the block of Cattaneo and Mindlin, along the edge of 16 contact radii")
-      .in_range(6, 40)
+      .add_option("--cells", options->cells, "In a radius of the contact of Cattaneo and Mindlin")
+      .in_range(4, 24)
       .show_default();
   command.add_option("--squeezes", options->squeezes, "Scenes of finger and thumb")
       .in_range(1, 1000)

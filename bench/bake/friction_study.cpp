@@ -14,10 +14,8 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kStep = 0.625e-3;        // m
-constexpr double kPressStep = 1.25e-3;    // m, of a press without friction
-constexpr double kRubbingStep = 0.25e-3;  // m, of one with friction
-constexpr double kDepth = 5e-3;           // m, also of the drag
+constexpr double kStep = 0.625e-3;  // m
+constexpr double kDepth = 5e-3;     // m, also of the drag
 constexpr std::array kLooks{2.5e-3, 5e-3, 7.5e-3, 10e-3};
 
 // The scene's obstacle after a path of `t` m: down, then aside.
@@ -95,8 +93,7 @@ std::optional<double> change_of_press(const EquilibriumSolver& solver, const Ski
   const auto way = [&scene](double depth) { return obstacle_at(scene, depth); };
   ContactWalk coarse(solver, way, -1e-4, settings, preloaded);
   ContactWalk fine(solver, way, -1e-4, settings, preloaded);
-  const double step = coefficient > 0.0 ? kRubbingStep : kPressStep;
-  const int steps = static_cast<int>(std::round(kDepth / step));
+  const int steps = static_cast<int>(std::round(kDepth / kStep));
   for (int k = 1; k <= steps; ++k) {
     const double depth = kDepth * k / steps;
     if (!coarse.advance(depth)) return std::nullopt;

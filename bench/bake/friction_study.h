@@ -39,7 +39,7 @@ struct FrictionDifference {
     double point_spacing, const TouchScene& scene, double coefficient,
     const std::function<void(const FrictionDifference&)>& found);
 
-/// Presses a scene to 5 mm in steps of 1.25 mm, with friction 0.25 mm, and in half of these.
+/// Presses a scene to 5 mm in steps of 0.625 mm, and in half of these.
 /// @param coefficient  Coulomb's; 0: none
 /// @returns relative change of the displacement (L2 over the skin's vertices) with half the step;
 ///          nothing where a solution stopped before

@@ -33,6 +33,9 @@ namespace {
 // more exact minimum would only cost Newton steps.
 constexpr double kFirstTolerance = 1e-2;
 constexpr double kTighter = 0.05;  // factor on that tolerance after each update of the multipliers
+// Factor on the tolerances of the state without the points that begin to press in a step, which
+// only says where they are touched.
+constexpr double kRough = 300;
 // Spacing of the grid on which penetration between contact points is measured, ratio to their own.
 constexpr double kFinerGrid = 0.25;
 constexpr double kMostPoints = 2e6;  // contact points of a body; they take some 1 GB
@@ -148,6 +151,7 @@ struct ContactWalk::Work {
   VectorXd r, d, free_preload;
   double scale = 0.0;
   double held_norm = 0.0;
+  double smallest_mutual_gap = std::numeric_limits<double>::infinity();  // of settle()
 
   bool checked_begin = false;
   ContactState now, before;  // before: the previous state, for the extrapolation
@@ -360,12 +364,41 @@ struct ContactWalk::Work {
     if (between_bodies()) mutual->begin_step(positions_before);
     Matrix3Xd u = start(gaps, t);
     positions = core.model.mesh.nodes + u;
-    if (with_obstacle()) pairs.set_predicted(positions);
     if (between_bodies()) mutual->set_predicted(positions);
     pairs.find(gaps, positions, edge);
     if (mutual) mutual->use(mutual->detect(positions));
     BodyState state;
-    double tolerance = std::max(kFirstTolerance, settings.tolerance);
+    if (with_obstacle()) {
+      // First with the points that pressed before. Where others end up inside the obstacle follows
+      // when and where they were touched. Without these there may be no equilibrium.
+      const ContactPairs::Saved before_others = pairs.save();
+      const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
+      const Matrix3Xd begin = u;
+      pairs.leave_out_new(true);
+      const bool is_found = settle(gaps, u, state, kRough) == Stop::kNone;
+      if (is_found && !pairs.new_ones_touch() && settle(gaps, u, state) == Stop::kNone &&
+          !pairs.new_ones_touch()) {
+        pairs.leave_out_new(false);
+        return finish(gaps, t, std::move(u), state);
+      }
+      pairs.leave_out_new(false);
+      if (!is_found) {
+        pairs.restore(before_others);
+        if (mutual) mutual->restore(between);
+        u = begin;
+        positions = core.model.mesh.nodes + u;
+      }
+      pairs.set_predicted(positions);
+    }
+    if (const Stop failed = settle(gaps, u, state); failed != Stop::kNone) return failed;
+    return finish(gaps, t, std::move(u), state);
+  }
+
+  // Minimises, and updates the multipliers, until both settle: u is then in equilibrium.
+  // @param rough  factor on all tolerances
+  Stop settle(const ObstacleGaps& gaps, Matrix3Xd& u, BodyState& state, double rough = 1.0) {
+    const double last = rough * settings.tolerance, entry = rough * largest_entry();
+    double tolerance = std::max(kFirstTolerance, last);
     for (int update = 0; update < settings.max_updates; ++update) {
       const Stop failed = minimise(gaps, tolerance, u, state);
       if (failed != Stop::kNone) return failed;
@@ -379,22 +412,28 @@ struct ContactWalk::Work {
       if (mutual) {
         detected = mutual->detect(positions);
         if (detected.buried > 0) return Stop::kSwallowed;
-        all_there =
-            all_there && detected.shift <= kSettled && detected.smallest_gap >= -largest_entry();
+        all_there = all_there && detected.shift <= kSettled && detected.smallest_gap >= -entry;
       }
-      if (all_there && change <= largest_entry() && tolerance <= settings.tolerance) {
-        if (swallows(gaps)) return Stop::kSwallowed;
-        if (largest_movement(core.held, u) > core.model.largest_displacement) {
-          return Stop::kBeyondRange;
-        }
-        now.smallest_mutual_gap = detected.smallest_gap;
-        keep(gaps, t, std::move(u), state);
+      if (all_there && change <= entry && tolerance <= last) {
+        smallest_mutual_gap = detected.smallest_gap;
         return Stop::kNone;
       }
       if (mutual) mutual->use(std::move(detected));
-      tolerance = std::max(kTighter * tolerance, settings.tolerance);
+      tolerance = std::max(kTighter * tolerance, last);
     }
     return Stop::kNoConvergence;
+  }
+
+  // Makes u, in equilibrium at time t, the state `now`, unless it is one that the walk must not
+  // reach.
+  Stop finish(const ObstacleGaps& gaps, double t, Matrix3Xd u, const BodyState& state) {
+    if (swallows(gaps)) return Stop::kSwallowed;
+    if (largest_movement(core.held, u) > core.model.largest_displacement) {
+      return Stop::kBeyondRange;
+    }
+    now.smallest_mutual_gap = smallest_mutual_gap;
+    keep(gaps, t, std::move(u), state);
+    return Stop::kNone;
   }
 
   // m, the largest penetration of a contact point, and change of a force over its penalty.
@@ -497,7 +536,7 @@ struct ContactWalk::Work {
       moment += pair.force * position_of(points.points[pair.point], positions);
       largest_product = std::max(largest_product, std::abs(pair.gap.distance) * pair.force);
     }
-    if (with_obstacle() || between_bodies()) keep_friction();
+    keep_friction();
     now.centre = moment / sum;  // NaN without force
     now.complementarity = sum > 0.0 ? largest_product / (sum * size) : 0.0;
     now.entry_between = entry_between(gaps);
@@ -511,9 +550,13 @@ struct ContactWalk::Work {
   // What `now` states of friction; the anchors become those of the new state.
   void keep_friction() {
     now.sticking = 0;
-    now.touching_area = now.sticking_area = 0.0;
-    const auto count = [this](const auto& pair) {
+    now.touching_area = now.sticking_area = now.cone_error = 0.0;
+    double bounds = 0.0, off = 0.0;
+    const auto count = [&](const auto& pair, double coefficient) {
       if (pair.force == 0.0) return;
+      const double bound = coefficient * pair.force, rub = pair.friction.force.norm();
+      bounds += bound;
+      off += pair.friction.slips ? std::abs(rub - bound) : std::max(0.0, rub - bound);
       const double area = points.points[pair.point].area;
       now.touching_area += area;
       if (pair.friction.limit == 0.0 || pair.friction.slips) return;
@@ -522,15 +565,16 @@ struct ContactWalk::Work {
     };
     if (with_obstacle()) {
       for (const ContactPair& pair : pairs.pairs()) {
-        count(pair);
+        count(pair, settings.friction);
         if (pair.force == 0.0) now.force += pair.friction.force;
       }
       now.dissipated += pairs.end_step(positions);
     }
     if (between_bodies()) {
-      for (const MutualPair& pair : mutual->pairs()) count(pair);
+      for (const MutualPair& pair : mutual->pairs()) count(pair, settings.mutual_friction);
       now.dissipated += mutual->end_step(positions);
     }
+    if (bounds > 0.0) now.cone_error = off / bounds;
   }
 
   [[nodiscard]] double entry_between(const ObstacleGaps& gaps) const {
@@ -634,6 +678,12 @@ ContactWalk::ContactWalk(ContactWalk&&) noexcept = default;
 ContactWalk& ContactWalk::operator=(ContactWalk&&) noexcept = default;
 
 bool ContactWalk::advance(double t) { return work_->advance(t); }
+
+void ContactWalk::set_friction(double coefficient) {
+  work_->settings.friction = coefficient;
+  work_->pairs.set_friction(coefficient, work_->core.model.mesh.nodes + work_->now.displacement);
+}
+
 const ContactState& ContactWalk::now() const { return work_->now; }
 Stop ContactWalk::stop() const { return work_->stop; }
 const std::string& ContactWalk::why_stopped() const { return work_->why; }

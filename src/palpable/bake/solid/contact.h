@@ -103,6 +103,9 @@ struct ContactState {
   int sticking = 0;
   double touching_area = 0, sticking_area = 0;
   double dissipated = 0;
+  /// With friction: sum over all pairs of how far |t| is from mu f where a point slips, and beyond
+  /// it where one sticks, over the sum of mu f.
+  double cone_error = 0;
   double smallest_volume_ratio = 1;
   int steps = 0;          ///< in t, since the previous state
   int updates = 0;        ///< of the multipliers, likewise
@@ -131,6 +134,10 @@ class ContactWalk {
   /// Advances to time t in one step, or in halves of it where that fails. Returns false if t was
   /// not reached: now() is then the last state in equilibrium, and why_stopped() the reason.
   bool advance(double t);
+
+  /// Changes ContactSettings::friction from the present state on: an obstacle that pressed without
+  /// friction, for example, holds the skin where it is then.
+  void set_friction(double coefficient);
 
   [[nodiscard]] const ContactState& now() const;
   [[nodiscard]] Stop stop() const;

@@ -32,7 +32,7 @@ std::vector<int> parts_near(const ObstacleGaps& gaps, const Matrix3Xd& positions
 // `now` fits it better: parts move continuously, so a part is recognised by that.
 std::optional<int> old_number(const Obstacle& before, const Obstacle& now, int part,
                               const Vector3d& x) {
-  if (before.part_count() == now.part_count()) return part;
+  if (has_same_parts(before, now)) return part;
   const auto kind = part_kind(now, part);
   const auto way = [&](int old_part, int new_part) {
     return (carried(before, old_part, now, new_part, x) - x).squaredNorm();
@@ -95,7 +95,11 @@ int ContactPairs::find(const ObstacleGaps& gaps, const Matrix3Xd& positions, dou
         const Vector3d x = position_of(points_.points[point], positions);
         const double distance = gaps.distance(part, x);
         if (distance > margin || has(point, part)) continue;
-        fresh.push_back({.point = point, .part = part, .penalty = penalties_[point], .gap = {}});
+        fresh.push_back({.point = point,
+                         .part = part,
+                         .penalty = penalties_[point],
+                         .left_out = leaves_out_new_,
+                         .gap = {}});
         fresh.back().gap.distance = distance;
       }
     }
@@ -141,6 +145,17 @@ void ContactPairs::reassign_parts(const ObstacleGaps& gaps, const Matrix3Xd& pos
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end(), same), pairs_.end());
 }
 
+void ContactPairs::set_friction(double coefficient, const Matrix3Xd& positions) {
+  const bool had_none = friction_.coefficient == 0.0;
+  friction_.coefficient = coefficient;
+  if (!had_none && coefficient > 0.0) return;
+  for (ContactPair& pair : pairs_) {
+    pair.friction = {};
+    pair.friction.anchored = coefficient > 0.0 && pair.multiplier > 0.0;
+    pair.anchor = position_of(points_.points[pair.point], positions);
+  }
+}
+
 void ContactPairs::begin_step(const ObstacleGaps& gaps, const Obstacle& before,
                               const Matrix3Xd& positions_before) {
   before_.emplace(before);
@@ -161,8 +176,20 @@ void ContactPairs::begin_step(const ObstacleGaps& gaps, const Obstacle& before,
   }
 }
 
-// The place of the obstacle, at its pose at the end of the step, that a point touched first. The
-// point came from its position at the beginning of the step to x in a straight line.
+void ContactPairs::leave_out_new(bool leave_out) {
+  leaves_out_new_ = leave_out;
+  for (ContactPair& pair : pairs_) pair.left_out = leave_out && pair.multiplier == 0.0;
+}
+
+bool ContactPairs::new_ones_touch() const {
+  return std::any_of(pairs_.begin(), pairs_.end(), [](const ContactPair& pair) {
+    return pair.left_out && pair.gap.distance < 0.0;
+  });
+}
+
+// The place of the obstacle, at its pose at the end of the step, that a point touched first, x if
+// it would not have been touched without the forces of the step. The point came from its position
+// at the beginning of the step in a straight line, towards where it would be without its own force.
 Vector3d ContactPairs::place_of_contact(const ObstacleGaps& gaps, const ContactPair& pair,
                                         const Vector3d& x) const {
   const Obstacle& before = before_->obstacle();
@@ -170,9 +197,11 @@ Vector3d ContactPairs::place_of_contact(const ObstacleGaps& gaps, const ContactP
   const Vector3d from = position_of(point, positions_before_);
   const std::optional<int> part = old_number(before, gaps.obstacle(), pair.part, from);
   if (!part) return x;  // the motion of the part during the step is unknown
-  const double time = time_of_contact(before_->distance(*part, from),
-                                      gaps.distance(pair.part, position_of(point, predicted_)));
-  const Vector3d place = from + time * (x - from);
+  const Vector3d without = position_of(point, predicted_);
+  const double time =
+      time_of_contact(before_->distance(*part, from), gaps.distance(pair.part, without));
+  if (time == 1.0) return x;
+  const Vector3d place = from + time * (without - from);
   return place + (1.0 - time) * (carried(before, *part, gaps.obstacle(), pair.part, place) - place);
 }
 
@@ -217,6 +246,10 @@ double ContactPairs::evaluate(const ObstacleGaps& gaps, const Matrix3Xd& positio
   for (ContactPair& pair : pairs_) {
     const Vector3d x = position_of(points_.points[pair.point], positions);
     pair.gap = gaps.gap(pair.part, x);
+    if (pair.left_out) {
+      pair.force = 0.0;
+      continue;
+    }
     pair.force = pair.multiplier - pair.penalty * pair.gap.distance;
     if (!(glued && pair.multiplier > 0.0)) pair.force = std::max(0.0, pair.force);
     energy += 0.5 / pair.penalty * (pair.force + pair.multiplier) * (pair.force - pair.multiplier);

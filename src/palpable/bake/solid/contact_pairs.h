@@ -44,6 +44,7 @@ namespace palpable {
 struct ContactPair {
   int point = 0, part = 0;
   double penalty = 0;     ///< N/m
+  bool left_out = false;  ///< by leave_out_new()
   double multiplier = 0;  ///< N, >= 0
   Gap gap;                ///< at the last evaluation
   double force = 0;       ///< N, along the gap's normal, on the body
@@ -66,6 +67,10 @@ class ContactPairs {
 
   [[nodiscard]] const std::vector<ContactPair>& pairs() const { return pairs_; }
 
+  /// Between two steps: another coefficient of friction. Where there was none, points that press
+  /// are held where they are. @param positions  of the last state
+  void set_friction(double coefficient, const Eigen::Matrix3Xd& positions);
+
   /// Adds all missing pairs that are nearer than `margin`, and drops pairs without multiplier that
   /// are farther than twice that. @returns the number of added pairs that touch (gap below 0)
   int find(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions, double margin);
@@ -76,8 +81,13 @@ class ContactPairs {
   void begin_step(const ObstacleGaps& gaps, const Obstacle& before,
                   const Eigen::Matrix3Xd& positions_before);
 
-  /// With friction: where the nodes would be at the end of the step, as far as can be known before
-  /// points that begin to press have any force. Their time of contact follows from this.
+  /// Between begin_step() and false: pairs that did not press before the step have no force.
+  void leave_out_new(bool leave_out);
+  /// Whether a pair that is left out is inside the obstacle.
+  [[nodiscard]] bool new_ones_touch() const;
+
+  /// With friction: where the nodes would be at the end of the step, if the points that begin to
+  /// press in it did not. When and where these are touched follows from this.
   void set_predicted(const Eigen::Matrix3Xd& positions) { predicted_ = positions; }
 
   /// Computes gaps and forces at `positions`. @returns sum of 1/(2 k) (f^2 - p^2) and of D, J
@@ -141,7 +151,8 @@ class ContactPairs {
   std::vector<int> free_of_node_;
   Eigen::VectorXd mask_;            // (3M) 1, and 0 in held directions
   std::vector<ContactPair> pairs_;  // ordered by point, then part
-  int parts_ = 0;                   // of the obstacle at the last reassign_parts()
+  bool leaves_out_new_ = false;
+  int parts_ = 0;  // of the obstacle at the last reassign_parts()
 
   // With friction, of the present step: the obstacle and the nodes at its beginning, and
   // set_predicted().

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -26,30 +27,48 @@ void go_to(ContactWalk& walk, double t, const char* problem) {
 
 // ---- Cattaneo and Mindlin
 
-constexpr double kMindlinPoisson = 0.45, kMindlinFriction = 0.6;
+constexpr double kMindlinYoung = 1e5, kMindlinPoisson = 0.1, kMindlinFriction = 0.1;  // Pa
 constexpr double kMindlinContact = 0.02, kMindlinBall = 1.0;  // a, R, m: strains stay below 1 %
-constexpr double kMindlinEdge = 16.0 * kMindlinContact;
 constexpr double kMindlinDepth = kMindlinContact * kMindlinContact / kMindlinBall;
 // d_0 by the closed form for a rigid ball, m.
 constexpr double kMindlinSlide =
     kMindlinFriction * (2.0 - kMindlinPoisson) / (2.0 * (1.0 - kMindlinPoisson)) * kMindlinDepth;
 // Share of d_0 by which the ball is dragged: Q reaches some 0.9 mu P.
 constexpr double kMindlinShare = 0.8;
+constexpr double kMindlinEdge = 6.0;   // over a: the least edge of the block
+constexpr double kMindlinEven = 1.25;  // over a: how far the cells under the ball are even
+constexpr double kMindlinGrowth = 1.26;
 
-// Maps -1 .. 1 to the edge. Cells near 0 are an eighth of the size of even ones.
-double mindlin_place(double s) { return kMindlinEdge * (0.125 * s + 0.875 * std::pow(s, 5)); }
+// Ends of the cells along an edge, m: even to `even` a, then growing.
+std::vector<double> mindlin_places(int cells_in_radius, double even) {
+  double cell = kMindlinContact / cells_in_radius;
+  std::vector<double> places{0.0};
+  while (places.back() < kMindlinEdge * kMindlinContact) {
+    if (places.back() > even * kMindlinContact) cell *= kMindlinGrowth;
+    places.push_back(places.back() + cell);
+  }
+  return places;
+}
 
 // Half a block: y = 0 is its plane of symmetry, z points into it.
-SolidModel mindlin_block(int cells) {
+SolidModel mindlin_block(int cells_in_radius) {
+  const std::vector<double> across = mindlin_places(cells_in_radius, kMindlinEven);
+  const std::vector<double> down = mindlin_places(cells_in_radius, 0.0);
+  const int wide = static_cast<int>(across.size()) - 1, deep = static_cast<int>(down.size()) - 1;
   SolidModel model;
-  model.mesh = box_tets({-1, 0, 0}, {1, 1, 1}, 2 * cells, cells, cells);
-  model.mesh.nodes = model.mesh.nodes.unaryExpr(&mindlin_place);
-  model.material = material_from_young("neo-hookean", 1e5, kMindlinPoisson);
+  model.mesh = box_tets({-wide, 0, 0}, {wide, wide, deep}, 2 * wide, wide, deep);
+  const auto place = [](const std::vector<double>& places, double cell) {
+    return std::copysign(places[static_cast<std::size_t>(std::lround(std::abs(cell)))], cell);
+  };
+  model.material = material_from_young("neo-hookean", kMindlinYoung, kMindlinPoisson);
   for (int n = 0; n < model.mesh.node_count(); ++n) {
-    const Vector3d X = model.mesh.nodes.col(n);
-    if (X.cwiseAbs().maxCoeff() > 0.999 * kMindlinEdge) {
+    const Vector3d cell = model.mesh.nodes.col(n);
+    model.mesh.nodes.col(n) << place(across, cell.x()), place(across, cell.y()),
+        place(down, cell.z());
+    const auto is = [](double one, int other) { return std::lround(std::abs(one)) == other; };
+    if (is(cell.x(), wide) || is(cell.y(), wide) || is(cell.z(), deep)) {
       model.fixed_nodes.push_back(n);
-    } else if (X.y() == 0.0) {
+    } else if (is(cell.y(), 0)) {
       model.supports.push_back({.node = n, .held = {false, true, false}});
     }
   }
@@ -64,17 +83,25 @@ Obstacle mindlin_ball(double t) {
               ball({aside * kMindlinShare * kMindlinSlide, 0, down - kMindlinBall}, kMindlinBall)}};
 }
 
-ContactWalk press_mindlin(const EquilibriumSolver& solver, double coefficient) {
-  ContactWalk walk(
-      solver, mindlin_ball, 0.0,
-      {.largest_entry = 1e-7, .spacing = 0.2 * kMindlinContact, .friction = coefficient});
+// The ball is pressed without friction, and then has it.
+ContactWalk press_mindlin(const EquilibriumSolver& solver, int cells_in_radius, double coefficient,
+                          double stiffer = 1.0) {
+  // No point lies on an edge or a diagonal of the cells, so that the forces on the nodes are
+  // unique.
+  const double spacing = 1.5 * kMindlinContact / cells_in_radius;
+  ContactSettings settings{.largest_entry = 1e-7, .spacing = spacing};
+  settings.sticking_penalty *= stiffer;
+  ContactWalk walk(solver, mindlin_ball, 0.0, settings);
   for (const double t : {0.25, 0.5, 0.75, 1.0}) go_to(walk, t, "Mindlin's block");
+  walk.set_friction(coefficient);
   return walk;
 }
 
 // Compliance of a contact that sticks all over, m/N, of the half block.
-double mindlin_compliance(const EquilibriumSolver& solver) {
-  ContactWalk walk = press_mindlin(solver, 20.0);
+// @param stiffer  factor on the stiffness with which points are held
+double mindlin_compliance(const EquilibriumSolver& solver, int cells_in_radius,
+                          double stiffer = 1.0) {
+  ContactWalk walk = press_mindlin(solver, cells_in_radius, 20.0, stiffer);
   const double before = walk.now().force.x();
   constexpr double kPart = 0.1;  // of the way
   go_to(walk, 1.0 + kPart, "Mindlin's block");
@@ -85,20 +112,19 @@ double power_two_thirds(double x) { return std::pow(std::max(0.0, x), 2.0 / 3.0)
 
 }  // namespace
 
-MindlinResult drag_mindlin_block(int cells) {
-  const EquilibriumSolver solver(mindlin_block(cells), {.tolerance = 1e-10});
-  const double compliance = mindlin_compliance(solver);
-  ContactWalk walk = press_mindlin(solver, kMindlinFriction);
+MindlinResult drag_mindlin_block(int cells_in_radius) {
+  const EquilibriumSolver solver(mindlin_block(cells_in_radius), {.tolerance = 1e-10});
+  const double compliance = mindlin_compliance(solver, cells_in_radius);
+  ContactWalk walk = press_mindlin(solver, cells_in_radius, kMindlinFriction);
   const double pressed = walk.now().force.x();  // not 0, because the mesh is not symmetric
-  MindlinResult result{.nodes = solver.model().mesh.node_count(),
-                       .cell = mindlin_place(1.0 / cells) / kMindlinContact};
-  result.least_dissipated = std::numeric_limits<double>::infinity();
-  double dissipated_before = walk.now().dissipated;
+  MindlinResult result{.nodes = solver.model().mesh.node_count()};
+  constexpr double kShear = kMindlinYoung / (2.0 * (1.0 + kMindlinPoisson));
+  result.compliance_error =
+      compliance / ((2.0 - kMindlinPoisson) / (4.0 * kShear * kMindlinContact)) - 1.0;
+  result.elastic_slip = 1.0 - mindlin_compliance(solver, cells_in_radius, 10.0) / compliance;
   const auto step_to = [&](double t) {
     go_to(walk, t, "Mindlin's block");
-    result.least_dissipated =
-        std::min(result.least_dissipated, walk.now().dissipated - dissipated_before);
-    dissipated_before = walk.now().dissipated;
+    result.cone_error = std::max(result.cone_error, walk.now().cone_error);
   };
   const auto most_slide = [&] {
     return 1.5 * kMindlinFriction * walk.now().force.z() * compliance;
@@ -168,23 +194,25 @@ SlipResult pull_plate(int cells, double coefficient, int steps) {
   ContactWalk walk(solver, plate_at, -0.1, {.friction = coefficient});
   for (const double t : {0.25, 0.5, 0.75, 1.0}) go_to(walk, t, "the plate");
   SlipResult result;
-  result.least_sliding = result.least_dissipated = std::numeric_limits<double>::infinity();
+  result.least_sliding = std::numeric_limits<double>::infinity();
   ContactState before = walk.now();
   const double at_first = before.energy + before.dissipated;
-  double work = 0.0, ratio = 0.0;
+  double work = 0.0, ratio = 0.0, least = std::numeric_limits<double>::infinity();
   for (int k = 1; k <= steps; ++k) {
     go_to(walk, 1.0 + static_cast<double>(k) / steps, "the plate");
     const ContactState& now = walk.now();
-    work += 0.5 * (now.force.x() + before.force.x()) * kPlateAside / steps;
+    const double of_step = 0.5 * (now.force.x() + before.force.x()) * kPlateAside / steps;
+    work += of_step;
+    least = std::min(least, of_step - (now.energy - before.energy));
     ratio = -now.force.x() / now.force.z();
     result.largest_ratio = std::max(result.largest_ratio, ratio / coefficient);
     if (now.sticking == 0) {
       result.least_sliding = std::min(result.least_sliding, ratio / coefficient);
     }
-    result.least_dissipated = std::min(result.least_dissipated, now.dissipated - before.dissipated);
     before = now;
   }
   result.angle_error = std::atan(ratio) / std::atan(coefficient) - 1.0;
+  result.least_lost = least / work;
   result.energy_error = work / (before.energy + before.dissipated - at_first) - 1.0;
   return result;
 }

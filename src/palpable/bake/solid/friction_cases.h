@@ -15,23 +15,28 @@ namespace palpable {
 ///     forth           d = d_0 (1 - (1 - Q / (mu P))^(2/3))
 ///     back from Q*    d = d_0 (2 (1 - (Q* - Q) / (2 mu P))^(2/3) - (1 - Q* / (mu P))^(2/3) - 1)
 ///
-/// Half a block with edges of 32 a, 16 a and 16 a stands for the half space; its far faces are
-/// held. P is that of the state, S is measured on the same mesh with a coefficient with which
-/// nothing slides: errors of the mesh cancel, and what is left is that of friction. Poisson's ratio
-/// is 0.45, because the closed form neglects the shear under a normal force, which ends at 0.5.
+/// Half a block with edges of 12 a, 6 a and 6 a stands for the half space; its far faces are held.
+/// P is that of the state, S is measured on the same mesh with a coefficient with which nothing
+/// slides: errors of the mesh cancel, and what is left is that of friction. The closed form
+/// neglects the shear under a normal force: the ball is pressed without friction, which begins
+/// before the drag. It also neglects what Q does to the pressure, and slip across Q: mu and
+/// Poisson's ratio are small.
 struct MindlinResult {
   int nodes = 0;
-  double cell = 0;  ///< edge of the cells under the ball over the contact radius a
   /// c / a over the closed form, minus 1, root mean square of the states on the way forth; c and a
   /// are those of circles with the area that sticks and that touches.
   double stick_radius_error = 0;
   double displacement_error = 0;  ///< largest on the way forth, relative
   double unloading_error = 0;     ///< largest on the way back, relative to that at Q*
-  double least_dissipated = 0;    ///< J, the least of all steps
+  /// S over (2 - nu) / (4 G a), that of half of a half space, minus 1. The far faces are held.
+  double compliance_error = 0;
+  /// Share of S that is the elastic slip (point_friction.h): measured with ten times its stiffness.
+  double elastic_slip = 0;
+  double cone_error = 0;  ///< ContactState::cone_error, the largest
 };
 
-/// @param cells  along an edge of 16 a, finer towards the ball
-[[nodiscard]] MindlinResult drag_mindlin_block(int cells);
+/// @param cells_in_radius  cells of the mesh under the ball along the contact radius a
+[[nodiscard]] MindlinResult drag_mindlin_block(int cells_in_radius);
 
 /// A block that is held at its base, and a plate that presses it and is then pulled aside.
 struct SlipResult {
@@ -41,7 +46,9 @@ struct SlipResult {
   /// Work of the plate while it is pulled, over the energy stored and dissipated meanwhile,
   /// minus 1.
   double energy_error = 0;
-  double least_dissipated = 0;  ///< J, the least of all steps
+  /// Work of the plate in a step less the change of the stored energy, over the work of all steps:
+  /// the least. Below 0 by the elastic slip that is given back, and by the trapezoidal rule.
+  double least_lost = 0;
 };
 
 [[nodiscard]] SlipResult pull_plate(int cells, double coefficient, int steps);

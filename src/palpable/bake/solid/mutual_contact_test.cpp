@@ -241,6 +241,42 @@ TEST_CASE("friction between two bodies holds what would slide, up to Coulomb's f
   CHECK(rubs.sticking < rubs.mutual_touching);
 }
 
+TEST_CASE("a bar that is dragged over a block rubs with Coulomb's force, step after step",
+          "[solid][mutual][friction]") {
+  SolidModel base;
+  base.mesh = box_tets({-0.1, 0, 0}, {0.2, 0.1, 0.06}, 9, 3, 2);
+  base.material = material_from_young("neo-hookean", 40e3, 0.3);
+  base.fixed_nodes = nodes_on_plane(base.mesh, {0, 0, 0}, Vector3d::UnitZ(), 1e-9);
+  SolidModel bar;  // held at its far end
+  bar.mesh = box_tets({-0.3, 0.01, 0}, {0.15, 0.09, 0.03}, 17, 4, 2);
+  bar.material = material_from_young("neo-hookean", 80e3, 0.3);
+  bar.fixed_nodes = nodes_on_plane(bar.mesh, {-0.3, 0, 0}, Vector3d::UnitX(), 1e-9);
+  const JoinedModel both =
+      joined(std::array{base, bar}, std::array{at(0, 0, 0), at(0, 0, 0.06 + 1e-4)});
+  const EquilibriumSolver solver(both.model);
+  // A ball that sticks to the bar goes down by 6 mm, then along it by 4.5 mm.
+  const auto drags = [](double t) {
+    const double down = std::min(t, 6e-3), along = std::max(0.0, t - 6e-3);
+    return Obstacle{.capsules = {ball({0.04 + along, 0.05, 0.0901 + 0.15 - down}, 0.15)}};
+  };
+  ContactWalk walk(solver, drags, -1e-3,
+                   {.friction = 20.0, .mutual = true, .mutual_friction = 0.3});
+  double largest = 0.0;
+  for (int k = 1; k <= 7; ++k) {
+    const bool reached = walk.advance(1.5e-3 * k);
+    INFO(walk.why_stopped());
+    REQUIRE(reached);
+    const Vector3d force = walk.now().mutual_force.col(0);  // on the block
+    if (k >= 4) largest = std::max(largest, std::hypot(force.x(), force.y()) / -force.z());
+    CHECK(walk.now().cone_error <= tolerance(1e-3, "the limit of the cone is an update late"));
+  }
+  const Vector3d force = walk.now().mutual_force.col(0);
+  CHECK(force.x() > 0.0);
+  CHECK(largest <= 0.3);
+  CHECK(force.x() / -force.z() ==
+        Approx(0.3).epsilon(tolerance(0.02, "the dent's sides; points that still stick")));
+}
+
 TEST_CASE("a body that lies deep in another is refused", "[solid][mutual]") {
   const std::array<SolidModel, 2> blocks{sliding_block(2, false), sliding_block(4, false)};
   SolidModel small = blocks[1];

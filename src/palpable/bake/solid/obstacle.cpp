@@ -1,5 +1,7 @@
 #include "palpable/bake/solid/obstacle.h"
 
+#include "palpable/common/base/contract.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -38,6 +40,11 @@ PartKind part_kind(const Obstacle& obstacle, int part) {
   return part < capsules + halves ? PartKind::kHalfSpace : PartKind::kSurface;
 }
 
+bool has_same_parts(const Obstacle& a, const Obstacle& b) {
+  return a.capsules.size() == b.capsules.size() && a.half_spaces.size() == b.half_spaces.size() &&
+         a.surfaces.size() == b.surfaces.size();
+}
+
 Vector3d carried(const Obstacle& from, int from_part, const Obstacle& to, int to_part,
                  const Vector3d& x) {
   const auto turned = [&x](const Vector3d& old_origin, const Vector3d& old_direction,
@@ -54,6 +61,7 @@ Vector3d carried(const Obstacle& from, int from_part, const Obstacle& to, int to
     part -= capsules;
     return static_cast<std::size_t>(part < halves ? part : part - halves);
   };
+  PALPABLE_EXPECT(part_kind(from, from_part) == part_kind(to, to_part), "parts of one kind");
   const std::size_t a = among_kind(from, from_part), b = among_kind(to, to_part);
   switch (part_kind(from, from_part)) {
     case PartKind::kCapsule: {

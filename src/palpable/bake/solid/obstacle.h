@@ -53,6 +53,9 @@ enum class PartKind { kCapsule, kHalfSpace, kSurface };
 /// @param part  number of a part: capsules first, then half spaces, then surfaces
 [[nodiscard]] PartKind part_kind(const Obstacle& obstacle, int part);
 
+/// Whether both have as many parts of each kind.
+[[nodiscard]] bool has_same_parts(const Obstacle& a, const Obstacle& b);
+
 /// New position of a point x that is fixed to a part of an obstacle, when the obstacle moves from
 /// `from` to `to`, where the part has the number `to_part`. A capsule does not spin about its own
 /// axis.

@@ -6,18 +6,26 @@
 namespace palpable {
 
 std::vector<Episode> episodes_of(const std::vector<ContactLine>& contacts, int count,
-                                 double deepest) {
+                                 double deepest, int apart) {
   std::vector<int> touching;
   for (const ContactLine& contact : contacts) {
     if (contact.touching && contact.depth <= deepest) touching.push_back(contact.frame);
   }
   const int there = static_cast<int>(touching.size());
   const int chosen = std::min(count, there);
+  const auto begin_of = [&](int frame) {
+    int first = frame;
+    for (int back = 1; first >= back && back <= apart; ++back) {
+      if (!contacts[static_cast<std::size_t>(first - back)].touching) continue;
+      first -= back;
+      back = 0;
+    }
+    return first;
+  };
   std::vector<Episode> episodes;
   for (int i = 0; i < chosen; ++i) {
     const int frame = touching[static_cast<std::size_t>((i + 0.5) * there / chosen)];
-    int first = frame;
-    while (first > 0 && contacts[first - 1].touching) --first;
+    const int first = begin_of(frame);
     if (episodes.empty() || episodes.back().first != first) episodes.push_back({first, {}});
     episodes.back().wanted.push_back(frame);
   }

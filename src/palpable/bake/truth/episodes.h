@@ -17,10 +17,10 @@ struct Episode {
 };
 
 /// Chooses `count` frames, evenly spread over the touching ones whose depth (m) is at most
-/// `deepest`, and groups them by touch. A touch ends where a frame has none.
+/// `deepest`, and groups them by touch. A touch ends where `apart` frames in succession have none.
 /// @return fewer than `count` where fewer frames touch
 [[nodiscard]] std::vector<Episode> episodes_of(const std::vector<ContactLine>& contacts, int count,
-                                               double deepest);
+                                               double deepest, int apart = 1);
 
 /// The capsules at a time between two frames, by linear interpolation of their ends and radii.
 /// Where the two frames have different numbers of capsules, those of the nearer frame.

@@ -38,6 +38,22 @@ TEST_CASE("wanted frames are spread over the touching ones and belong to their t
   CHECK(episodes_of(touching_in({}, 5), 24, 1.0).empty());
 }
 
+TEST_CASE("a touch may go on over frames without one", "[truth]") {
+  const auto contacts = touching_in({0, 1, 4, 5, 9, 10}, 12);
+  const auto firsts = [&](int apart) {
+    std::vector<int> found;
+    for (const Episode& episode : episodes_of(contacts, 100, 1.0, apart)) {
+      found.push_back(episode.first);
+    }
+    return found;
+  };
+  CHECK(firsts(1) == std::vector{0, 4, 9});
+  CHECK(firsts(2) == std::vector{0, 4, 9});
+  CHECK(firsts(3) == std::vector{0, 9});
+  CHECK(firsts(4) == std::vector{0});
+  CHECK(firsts(30) == std::vector{0});
+}
+
 TEST_CASE("between two frames a capsule's ends go straight", "[truth]") {
   ClipHands hands;
   hands.contacts.resize(3);

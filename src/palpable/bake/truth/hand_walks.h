@@ -1,7 +1,8 @@
 /// @file
 /// Full-order solutions along the motion of a clip's hand. Each touch is followed twice, in steps
-/// of a frame and in steps of half a frame, with friction in six and in twelve steps a frame: where
-/// the two differ, the solution depends on the path.
+/// of a frame and in steps of half a frame, with friction in kStepsOfFriction and in twice as many
+/// steps a frame: where the two differ, the solution depends on the path. With friction a third
+/// walk in half of these steps then takes the place of the coarser one.
 #pragma once
 
 #include "palpable/bake/solid/contact.h"
@@ -13,6 +14,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpable {
@@ -20,6 +22,22 @@ namespace palpable {
 /// Largest change of a skin's displacement (relative L2) between the two walks. Frames with a
 /// larger one are not scored.
 inline constexpr double kPathMatters = 0.01;
+
+/// Steps of a frame with friction, in the coarser of the two walks: what slips within a step slides
+/// in one direction, and a point that begins to press does not change when others touch.
+inline constexpr int kStepsOfFriction = 4;
+
+/// With friction a touch goes on, and the walk with it, until this many frames in succession have
+/// none. Skin that was dragged may stay in contact where the undeformed body has none, which is
+/// what a clip states.
+inline constexpr int kFramesBetweenTouches = 30;
+
+/// Why frames of a touch that began before the clip are not scored.
+inline constexpr std::string_view kBeganBefore =
+    "touched from the first frame on: what friction holds is not known";
+
+/// Why a frame with this change between the two walks is not scored; empty if it is.
+[[nodiscard]] std::string why_not_scored(double path_change);
 
 /// The solution of one walk at one frame. N: nodes.
 struct WalkedFrame {

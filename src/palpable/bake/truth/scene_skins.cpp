@@ -7,6 +7,7 @@
 #include "palpable/bake/truth/episodes.h"
 #include "palpable/bake/truth/friction_choice.h"
 #include "palpable/bake/truth/hand_walks.h"
+#include "palpable/bake/truth/problem_note.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/folder_lock.h"
@@ -67,6 +68,9 @@ class SceneSkins {
     contact.friction = choose_friction(clip_, settings_.friction, folders);
     contact.mutual = true;
     contact.mutual_friction = contact.friction;
+    rubs_ = contact.friction > 0.0;
+    if (rubs_) find_episodes(kFramesBetweenTouches);
+    check_same(contact.friction);
     leave_out_known();
     follow_hand(*solver_, hands_, episodes_, {.contact = contact, .threads = settings_.threads},
                 progress_,
@@ -130,11 +134,32 @@ class SceneSkins {
         depths_[n] = std::max(depths_[n], hands.contacts[n].depth);
       }
     }
-    episodes_ =
-        episodes_of(hands_.contacts, settings_.frames, std::numeric_limits<double>::infinity());
+    find_episodes(1);
     if (episodes_.empty()) {
       throw Error(fmt::format("{}: nothing touches a body in this clip", clip_.string()));
     }
+  }
+
+  void find_episodes(int apart) {
+    episodes_ = episodes_of(hands_.contacts, settings_.frames,
+                            std::numeric_limits<double>::infinity(), apart);
+  }
+
+  // The results of an earlier run must be of the same hands and the same problem.
+  void check_same(double friction) const {
+    ProblemNote note;
+    note.add_mesh(joined_.model);
+    note.add_materials(joined_.model);
+    note.add_friction(friction);
+    for (const Part& part : parts_) {
+      note.add(&part.range, sizeof part.range);
+      note.add_file(part.folder.parent_path() / "contact.jsonl");
+    }
+    for (const char* file : {"truth/hand.jsonl", "truth/trajectory.txt", "frames/scene.toml"}) {
+      note.add_file(clip_ / file);
+    }
+    // Palpable 0.1 wrote none for scenes.
+    for (const Part& part : parts_) note.check(part.folder, !(friction > 0.0));
   }
 
   void check_filmed(const Part& part) const {
@@ -188,11 +213,10 @@ class SceneSkins {
       std::string why;
       if (solution == fine.frames.end()) {
         why = "no solution: " + fine.why_stopped;
-      } else if (const double change = other == coarse.frames.end()
-                                           ? 1.0
-                                           : change_of(solution->second, other->second);
-                 change > kPathMatters) {
-        why = fmt::format("depends on the way: half the step changes it by {:.1f} %", 100 * change);
+      } else {
+        why = why_not_scored(
+            other == coarse.frames.end() ? 1.0 : change_of(solution->second, other->second));
+        if (rubs_ && episode.first == 0) why = kBeganBefore;
       }
       if (why.empty()) why = beyond_range(solution->second);
       for (std::size_t b = 0; b < parts_.size(); ++b) {
@@ -248,6 +272,7 @@ class SceneSkins {
   }
 
   fs::path clip_;
+  bool rubs_ = false;
   const std::vector<SceneSolid>& solids_;
   SceneSkinSettings settings_;
   const Progress& progress_;

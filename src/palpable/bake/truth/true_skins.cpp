@@ -8,6 +8,7 @@
 #include "palpable/bake/truth/episodes.h"
 #include "palpable/bake/truth/friction_choice.h"
 #include "palpable/bake/truth/hand_walks.h"
+#include "palpable/bake/truth/problem_note.h"
 #include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/checksum.h"
 #include "palpable/common/base/error.h"
@@ -44,15 +45,6 @@ constexpr double kSurelyTouches = 2e-3;
 // equal to the bit.
 constexpr double kSameTrueSkin = 1e-6;
 
-// The content of a text file of the clip; empty if the file does not exist.
-std::string content_of(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) return {};
-  Result<std::string> bytes = read_whole_file(path, {.most = longest_text(Notation::kJson)});
-  if (!bytes) throw Error(fmt::format("{}: {}", path.string(), bytes.problem().message));
-  return std::move(bytes).value();
-}
-
 class TrueSkins {
  public:
   TrueSkins(const fs::path& clip, const BodyDescription& description,
@@ -70,7 +62,7 @@ class TrueSkins {
 
   std::vector<TrueFrame> write(const fs::path& clip) {
     hands_ = read_clip_hands(clip);
-    episodes_ = episodes_of(hands_.contacts, settings_.frames, kDeepest * problem_.mesh.height);
+    find_episodes(1);
     if (episodes_.empty()) {
       throw Error(fmt::format("{}: nothing touches the body in this clip",
                               (clip / "truth" / "contact.jsonl").string()));
@@ -81,6 +73,7 @@ class TrueSkins {
     const FolderLock lock(folder_);
     write_rest();
     friction_ = choose_friction(clip, settings_.friction, {folder_});
+    if (friction_ > 0.0) find_episodes(kFramesBetweenTouches);
     check_same(clip);
     leave_out_known();
     follow_hand(solver_, hands_, episodes_,
@@ -97,6 +90,11 @@ class TrueSkins {
   }
 
  private:
+  void find_episodes(int apart) {
+    episodes_ =
+        episodes_of(hands_.contacts, settings_.frames, kDeepest * problem_.mesh.height, apart);
+  }
+
   // Throws Error for a skin that is not the one that is solved here. @param what  names its source
   void expect_same_skin(const SurfaceMesh& there, const std::string& what) const {
     const Matrix3Xd here = rest_skin();
@@ -186,47 +184,21 @@ class TrueSkins {
   // The results of an earlier run must be of the same hand and the same problem. The same skin is
   // not enough: law, constants, supports and loads change every solution.
   void check_same(const fs::path& clip) const {
-    std::uint64_t hash = kFnvStart;
-    const auto add = [&](const void* data, std::size_t bytes) {
-      hash = fnv1a({static_cast<const char*>(data), bytes}, hash);
-    };
-    const auto add_numbers = [&](const auto& numbers) {
-      add(numbers.data(), sizeof(*numbers.data()) * static_cast<std::size_t>(numbers.size()));
-    };
     const SolidModel& model = problem_.model;
-    add_numbers(model.mesh.nodes);
-    add_numbers(model.mesh.tets);
-    add_numbers(model.fixed_nodes);
-    add_numbers(problem_.preload);
+    ProblemNote note;
+    note.add_mesh(model);
+    note.add_numbers(problem_.preload);
     // Not the usual one: results of versions that had none stay valid.
-    if (!has_usual_range_) add(&model.largest_displacement, sizeof model.largest_displacement);
-    // Results of versions that knew no friction stay valid.
-    if (friction_ > 0.0) add(&friction_, sizeof friction_);
-    std::string laws = law_name(model.material);
-    add_numbers(constants_of(model.material));
-    add_numbers(material_groups(model));
-    for (const MaterialGroup& group : model.groups) {
-      laws += ' ';
-      laws += law_name(group.material);
-      add_numbers(constants_of(group.material));
+    if (!has_usual_range_) {
+      note.add(&model.largest_displacement, sizeof model.largest_displacement);
     }
+    note.add_friction(friction_);
+    note.add_materials(model);
     for (const char* file :
          {"truth/hand.jsonl", "truth/contact.jsonl", "truth/trajectory.txt", "frames/scene.toml"}) {
-      const std::string text = content_of(clip / file);
-      add(text.data(), text.size());
+      note.add_file(clip / file);
     }
-    const fs::path note = folder_ / "problem.txt";
-    const std::string here = fmt::format("{} {:016x}\n", laws, hash);
-    std::error_code error;
-    const bool has_results = fs::exists(folder_ / "deformed.jsonl", error);
-    if (has_results && (!fs::exists(note, error) || content_of(note) != here)) {
-      throw Error(
-          fmt::format("{}: holds answers of another material, support, load, friction or hand; "
-                      "remove it to solve "
-                      "anew",
-                      folder_.string()));
-    }
-    write_whole_file(note, here);
+    note.check(folder_, false);
   }
 
   [[nodiscard]] bool is_whole(int frame) const {
@@ -271,6 +243,10 @@ class TrueSkins {
                 : relative_change(solution->second.displacement, other->second.displacement, skin_,
                                   presses_.rest());
         write_frame(solution->second, found);
+        if (friction_ > 0.0 && episode.first == 0) {
+          found.line.scored = false;
+          found.line.why = std::string(kBeganBefore);
+        }
       }
       lines_[frame] = found.line;
       found_[frame] = std::move(found);
@@ -294,11 +270,8 @@ class TrueSkins {
     found.largest_displacement =
         (solution.displacement - presses_.rest()).colwise().norm().maxCoeff();
     found.largest_von_mises = skin.values.maxCoeff();
-    if (found.path_change > kPathMatters) {
-      found.line.scored = false;
-      found.line.why = fmt::format("depends on the way: half the step changes it by {:.1f} %",
-                                   100.0 * found.path_change);
-    }
+    found.line.why = why_not_scored(found.path_change);
+    found.line.scored = found.line.why.empty();
   }
 
   fs::path folder_;

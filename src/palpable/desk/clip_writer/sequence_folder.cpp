@@ -151,7 +151,7 @@ bool is_unfinished(const fs::path& out) {
 }
 
 // All files of a film (base/own_files.h), with those that palpable truth adds.
-constexpr std::array<std::string_view, 25> kFilmFiles{"frames/left/#.jpg",
+constexpr std::array<std::string_view, 26> kFilmFiles{"frames/left/#.jpg",
                                                       "frames/right/#.jpg",
                                                       "frames/calibration.yml",
                                                       "frames/scene.toml",
@@ -166,6 +166,7 @@ constexpr std::array<std::string_view, 25> kFilmFiles{"frames/left/#.jpg",
                                                       "truth/deformed/rest.ply",
                                                       "truth/deformed/deformed.jsonl",
                                                       "truth/deformed/problem.txt",
+                                                      "truth/friction.txt",
                                                       "truth/depth/#.png",
                                                       "truth/labels/#.png",
                                                       "truth/body.ply",
