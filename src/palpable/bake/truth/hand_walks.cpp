@@ -23,13 +23,14 @@ std::string why_not_scored(double path_change) {
 
 namespace {
 
-// Whether two walks differ so much that a third one in shorter steps is worth its time: by half of
-// what matters, because here all nodes count, not only those of a skin.
+// Whether two walks differ, where both have a solution, so much that a third one in shorter steps
+// is worth its time: by half of what matters, because here all nodes count, not only those of a
+// skin.
 bool differs(const Episode& episode, const Walked& fine, const Walked& coarse,
              const Preloaded* preloaded) {
   return std::any_of(episode.wanted.begin(), episode.wanted.end(), [&](int frame) {
     const auto one = fine.frames.find(frame), other = coarse.frames.find(frame);
-    if (one == fine.frames.end() || other == coarse.frames.end()) return true;
+    if (one == fine.frames.end() || other == coarse.frames.end()) return false;
     const Matrix3Xd& u = one->second.displacement;
     std::vector<int> all(static_cast<std::size_t>(u.cols()));
     std::iota(all.begin(), all.end(), 0);
@@ -94,12 +95,16 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
     }
     Walked fine = std::move(*results[first]), coarse = std::move(*results[first + 1]);
     if (rubs && differs(episode, fine, coarse, settings.preloaded)) {
-      coarse = std::move(fine);
       {
         const std::lock_guard lock(mutex);
         to_do += episode.wanted.back() - episode.first + 1;
       }
-      fine = walk_of(episode, 4 * steps);
+      for (auto& [frame, solution] : walk_of(episode, 4 * steps).frames) {
+        if (const auto finer = fine.frames.find(frame); finer != fine.frames.end()) {
+          coarse.frames[frame] = std::move(finer->second);
+        }
+        fine.frames[frame] = std::move(solution);
+      }
     }
     const std::lock_guard lock(mutex);
     keep(episode, fine, coarse);
