@@ -33,9 +33,12 @@ namespace {
 // more exact minimum would only cost Newton steps.
 constexpr double kFirstTolerance = 1e-2;
 constexpr double kTighter = 0.05;  // factor on that tolerance after each update of the multipliers
-// Factor on the tolerances of the state without the points that begin to press in a step, which
-// only says where they are touched.
-constexpr double kRough = 300;
+// Factor on ContactSettings::max_updates with friction: where several points of a triangle share a
+// force, their shares converge slowly.
+constexpr int kUpdatesWithFriction = 4;
+// Of the state without the points that begin to press in a step, which only says where they are
+// touched: the movement in a step is known to a few hundredths after as many.
+constexpr int kPredictionUpdates = 2, kPredictionSteps = 6;
 // Spacing of the grid on which penetration between contact points is measured, ratio to their own.
 constexpr double kFinerGrid = 0.25;
 constexpr double kMostPoints = 2e6;  // contact points of a body; they take some 1 GB
@@ -368,38 +371,49 @@ struct ContactWalk::Work {
     pairs.find(gaps, positions, edge);
     if (mutual) mutual->use(mutual->detect(positions));
     BodyState state;
-    if (with_obstacle()) {
-      // First with the points that pressed before. Where others end up inside the obstacle follows
-      // when and where they were touched. Without these there may be no equilibrium.
-      const ContactPairs::Saved before_others = pairs.save();
-      const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
-      const Matrix3Xd begin = u;
-      pairs.leave_out_new(true);
-      const bool is_found = settle(gaps, u, state, kRough) == Stop::kNone;
-      if (is_found && !pairs.new_ones_touch() && settle(gaps, u, state) == Stop::kNone &&
-          !pairs.new_ones_touch()) {
-        pairs.leave_out_new(false);
-        return finish(gaps, t, std::move(u), state);
-      }
-      pairs.leave_out_new(false);
-      if (!is_found) {
-        pairs.restore(before_others);
-        if (mutual) mutual->restore(between);
-        u = begin;
-        positions = core.model.mesh.nodes + u;
-      }
-      pairs.set_predicted(positions);
-    }
+    if (with_obstacle()) predict(gaps, u);
     if (const Stop failed = settle(gaps, u, state); failed != Stop::kNone) return failed;
     return finish(gaps, t, std::move(u), state);
   }
 
+  // Finds roughly where the nodes would be if the points that begin to press in this step did not:
+  // when and where these are touched follows from it. If that state is near equilibrium, u becomes
+  // it; there may be none.
+  void predict(const ObstacleGaps& gaps, Matrix3Xd& u) {
+    const ContactPairs::Saved saved = pairs.save();
+    const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
+    const int most = std::exchange(settings.max_newton_steps, kPredictionSteps);
+    pairs.leave_out_new(true);
+    Matrix3Xd predicted = u;
+    BodyState state;
+    bool is_near = true;
+    for (int update = 0; update < kPredictionUpdates && is_near; ++update) {
+      is_near = minimise(gaps, kFirstTolerance, predicted, state) == Stop::kNone;
+      positions = core.model.mesh.nodes + predicted;
+      update_friction(gaps);
+      pairs.update_multipliers();
+      if (mutual) mutual->update_multipliers();
+    }
+    settings.max_newton_steps = most;
+    pairs.set_predicted(positions);
+    if (is_near) {
+      u = std::move(predicted);
+    } else {
+      pairs.restore(saved);
+      if (mutual) mutual->restore(between);
+      positions = core.model.mesh.nodes + u;
+    }
+    pairs.leave_out_new(false);
+    pairs.find(gaps, positions, edge);
+    if (mutual) mutual->use(mutual->detect(positions));
+  }
+
   // Minimises, and updates the multipliers, until both settle: u is then in equilibrium.
-  // @param rough  factor on all tolerances
-  Stop settle(const ObstacleGaps& gaps, Matrix3Xd& u, BodyState& state, double rough = 1.0) {
-    const double last = rough * settings.tolerance, entry = rough * largest_entry();
-    double tolerance = std::max(kFirstTolerance, last);
-    for (int update = 0; update < settings.max_updates; ++update) {
+  Stop settle(const ObstacleGaps& gaps, Matrix3Xd& u, BodyState& state) {
+    double tolerance = std::max(kFirstTolerance, settings.tolerance);
+    const bool rubs = with_obstacle() || between_bodies();
+    const int most = settings.max_updates * (rubs ? kUpdatesWithFriction : 1);
+    for (int update = 0; update < most; ++update) {
       const Stop failed = minimise(gaps, tolerance, u, state);
       if (failed != Stop::kNone) return failed;
       positions = core.model.mesh.nodes + u;
@@ -412,14 +426,15 @@ struct ContactWalk::Work {
       if (mutual) {
         detected = mutual->detect(positions);
         if (detected.buried > 0) return Stop::kSwallowed;
-        all_there = all_there && detected.shift <= kSettled && detected.smallest_gap >= -entry;
+        all_there =
+            all_there && detected.shift <= kSettled && detected.smallest_gap >= -largest_entry();
       }
-      if (all_there && change <= entry && tolerance <= last) {
+      if (all_there && change <= largest_entry() && tolerance <= settings.tolerance) {
         smallest_mutual_gap = detected.smallest_gap;
         return Stop::kNone;
       }
       if (mutual) mutual->use(std::move(detected));
-      tolerance = std::max(kTighter * tolerance, last);
+      tolerance = std::max(kTighter * tolerance, settings.tolerance);
     }
     return Stop::kNoConvergence;
   }

@@ -66,7 +66,7 @@ struct ContactSettings {
   /// Coulomb's coefficient between the components of the mesh, with `mutual`; 0: none.
   double mutual_friction = 0;
   int max_newton_steps = 40;    ///< for one update of the multipliers
-  int max_updates = 30;         ///< of the multipliers, for one step in t
+  int max_updates = 30;         ///< of the multipliers, for one step in t; x 4 with friction
   int max_halvings = 7;         ///< of a step in t, in succession
   int refresh_iterations = 30;  ///< after a Newton step with more, a new factor is made
   int max_cg_iterations = 400;  ///< in one Newton step

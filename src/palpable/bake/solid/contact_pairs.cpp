@@ -181,12 +181,6 @@ void ContactPairs::leave_out_new(bool leave_out) {
   for (ContactPair& pair : pairs_) pair.left_out = leave_out && pair.multiplier == 0.0;
 }
 
-bool ContactPairs::new_ones_touch() const {
-  return std::any_of(pairs_.begin(), pairs_.end(), [](const ContactPair& pair) {
-    return pair.left_out && pair.gap.distance < 0.0;
-  });
-}
-
 // The place of the obstacle, at its pose at the end of the step, that a point touched first, x if
 // it would not have been touched without the forces of the step. The point came from its position
 // at the beginning of the step in a straight line, towards where it would be without its own force.

@@ -83,8 +83,6 @@ class ContactPairs {
 
   /// Between begin_step() and false: pairs that did not press before the step have no force.
   void leave_out_new(bool leave_out);
-  /// Whether a pair that is left out is inside the obstacle.
-  [[nodiscard]] bool new_ones_touch() const;
 
   /// With friction: where the nodes would be at the end of the step, if the points that begin to
   /// press in it did not. When and where these are touched follows from this.

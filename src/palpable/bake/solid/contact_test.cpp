@@ -222,7 +222,7 @@ TEST_CASE("a turned problem has the turned solution, with friction as well",
   turn.rotate(Eigen::AngleAxisd(0.7, Vector3d(1, 2, -1).normalized()));
   const Matrix3Xd straight = end_state(Rigid3::Identity());
   CHECK((end_state(turn) - straight).norm() <=
-        tolerance(1e-4, "states are solved to 1e-6 of the size, step by step") * straight.norm());
+        tolerance(5e-4, "states are solved to 1e-6 of the size, step by step") * straight.norm());
 }
 
 TEST_CASE("without friction nothing sticks, and nothing is dissipated",

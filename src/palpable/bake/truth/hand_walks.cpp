@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <mutex>
 #include <numeric>
@@ -29,7 +30,8 @@ bool differs(const Episode& episode, const Walked& fine, const Walked& coarse,
              const Preloaded* preloaded) {
   return std::any_of(episode.wanted.begin(), episode.wanted.end(), [&](int frame) {
     const auto one = fine.frames.find(frame), other = coarse.frames.find(frame);
-    if (one == fine.frames.end() || other == coarse.frames.end()) return true;
+    if (one == fine.frames.end()) return false;
+    if (other == coarse.frames.end()) return true;
     const Matrix3Xd& u = one->second.displacement;
     std::vector<int> all(static_cast<std::size_t>(u.cols()));
     std::iota(all.begin(), all.end(), 0);
@@ -38,27 +40,57 @@ bool differs(const Episode& episode, const Walked& fine, const Walked& coarse,
   });
 }
 
+// How near the body's box a capsule must come for its motion to count, ratio to the diagonal.
+constexpr double kNearBody = 0.1;
+
+// m, the largest movement of a capsule's end from the frame before, of the capsules near the body.
+double way_in_frame(const ClipHands& hands, int frame, const Eigen::AlignedBox3d& near_body) {
+  if (frame == 0) return 0.0;
+  const auto now = static_cast<std::size_t>(frame);
+  const std::vector<Capsule>&from = hands.capsules[now - 1], &to = hands.capsules[now];
+  double way = 0.0;
+  for (std::size_t k = 0; k < std::min(from.size(), to.size()); ++k) {
+    if (!box_of(from[k]).intersects(near_body) && !box_of(to[k]).intersects(near_body)) continue;
+    way = std::max({way, (to[k].a - from[k].a).norm(), (to[k].b - from[k].b).norm()});
+  }
+  return way;
+}
+
+// The body's box, grown by kNearBody.
+Eigen::AlignedBox3d near_body_of(const TetMesh& mesh) {
+  Eigen::AlignedBox3d box(mesh.nodes.rowwise().minCoeff(), mesh.nodes.rowwise().maxCoeff());
+  const double margin = kNearBody * box.diagonal().norm();
+  box.min().array() -= margin;
+  box.max().array() += margin;
+  return box;
+}
+
 }  // namespace
 
 void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
                  const std::vector<Episode>& episodes, const HandWalkSettings& settings,
                  const Progress& progress,
-                 const std::function<void(const Episode&, const Walked& by_half_frames,
-                                          const Walked& by_frames)>& keep) {
+                 const std::function<void(const Episode&, const Walked& by_half_steps,
+                                          const Walked& by_steps)>& keep) {
   double to_do = 0, done = 0;
   for (const Episode& episode : episodes) {
     to_do += 2.0 * (episode.wanted.back() - episode.first + 1);
   }
   const bool rubs = settings.contact.friction > 0.0 || settings.contact.mutual_friction > 0.0;
+  const Eigen::AlignedBox3d near_body = near_body_of(solver.model().mesh);
   std::mutex mutex;
-  const auto walk_of = [&](const Episode& episode, int steps_per_frame) {
+  // @param shorter  factor by which steps are shorter than those of the first walk
+  const auto walk_of = [&](const Episode& episode, int shorter) {
     const auto way = [&](double t) { return Obstacle{.capsules = capsules_at(hands, t)}; };
     ContactWalk walk(solver, way, std::max(0, episode.first - 1), settings.contact,
                      settings.preloaded);
     Walked walked;
     for (int frame = episode.first; frame <= episode.wanted.back(); ++frame) {
-      for (int step = 1; step <= steps_per_frame; ++step) {
-        const double t = frame - 1 + static_cast<double>(step) / steps_per_frame;
+      const double moved_by = rubs ? way_in_frame(hands, frame, near_body) : 0.0;
+      const int steps =
+          shorter * std::max(1, static_cast<int>(std::ceil(moved_by / kFrictionStep)));
+      for (int step = 1; step <= steps; ++step) {
+        const double t = frame - 1 + static_cast<double>(step) / steps;
         if (walk.advance(t)) continue;
         walked.why_stopped = walk.why_stopped();
         return walked;
@@ -79,14 +111,12 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
     }
     return walked;
   };
-  // Each episode has two walks, 2 e by half frames and 2 e + 1 by frames; they are handed out one
-  // by one.
+  // Each episode has two walks, 2 e in half steps and 2 e + 1; they are handed out one by one.
   std::vector<std::optional<Walked>> results(2 * episodes.size());
   work_in_parallel(static_cast<int>(results.size()), settings.threads, "", {}, [&](int job) {
     const auto at = static_cast<std::size_t>(job), first = at - at % 2;
     const Episode& episode = episodes[first / 2];
-    const int steps = rubs ? kStepsOfFriction : 1;
-    Walked walked = walk_of(episode, at == first ? 2 * steps : steps);
+    Walked walked = walk_of(episode, at == first ? 2 : 1);
     {
       const std::lock_guard lock(mutex);
       results[at] = std::move(walked);
@@ -94,12 +124,16 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
     }
     Walked fine = std::move(*results[first]), coarse = std::move(*results[first + 1]);
     if (rubs && differs(episode, fine, coarse, settings.preloaded)) {
-      coarse = std::move(fine);
       {
         const std::lock_guard lock(mutex);
         to_do += episode.wanted.back() - episode.first + 1;
       }
-      fine = walk_of(episode, 4 * steps);
+      for (auto& [frame, solution] : walk_of(episode, 4).frames) {
+        if (const auto finer = fine.frames.find(frame); finer != fine.frames.end()) {
+          coarse.frames[frame] = std::move(finer->second);
+        }
+        fine.frames[frame] = std::move(solution);
+      }
     }
     const std::lock_guard lock(mutex);
     keep(episode, fine, coarse);

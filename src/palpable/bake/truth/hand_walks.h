@@ -1,8 +1,9 @@
 /// @file
 /// Full-order solutions along the motion of a clip's hand. Each touch is followed twice, in steps
-/// of a frame and in steps of half a frame, with friction in kStepsOfFriction and in twice as many
-/// steps a frame: where the two differ, the solution depends on the path. With friction a third
-/// walk in half of these steps then takes the place of the coarser one.
+/// of a frame and in steps of half a frame: where the two differ, the solution depends on the path.
+/// With friction a step is also one of kFrictionStep at most, in the other walk one of half of it;
+/// where the two differ, a third walk in a quarter of these steps takes the place of the coarser
+/// one, as far as it comes.
 #pragma once
 
 #include "palpable/bake/solid/contact.h"
@@ -23,9 +24,9 @@ namespace palpable {
 /// larger one are not scored.
 inline constexpr double kPathMatters = 0.01;
 
-/// Steps of a frame with friction, in the coarser of the two walks: what slips within a step slides
+/// m, longest step of the hand with friction in the coarsest walk: what slips within a step slides
 /// in one direction, and a point that begins to press does not change when others touch.
-inline constexpr int kStepsOfFriction = 4;
+inline constexpr double kFrictionStep = 1e-3;
 
 /// With friction a touch goes on, and the walk with it, until this many frames in succession have
 /// none. Skin that was dragged may stay in contact where the undeformed body has none, which is
@@ -67,8 +68,8 @@ struct HandWalkSettings {
 void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
                  const std::vector<Episode>& episodes, const HandWalkSettings& settings,
                  const Progress& progress,
-                 const std::function<void(const Episode&, const Walked& by_half_frames,
-                                          const Walked& by_frames)>& keep);
+                 const std::function<void(const Episode&, const Walked& by_half_steps,
+                                          const Walked& by_steps)>& keep);
 
 /// Difference of two displacements, relative to the larger of the two: L2 over some nodes, measured
 /// from `rest`. 0 if both are 0.

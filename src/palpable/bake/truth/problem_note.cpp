@@ -58,7 +58,8 @@ void ProblemNote::add_materials(const SolidModel& model) {
 void ProblemNote::add_friction(double coefficient) {
   if (!(coefficient > 0.0)) return;
   add(&coefficient, sizeof coefficient);
-  for (const int number : {kFrictionVersion, kStepsOfFriction}) add(&number, sizeof number);
+  add(&kFrictionVersion, sizeof kFrictionVersion);
+  add(&kFrictionStep, sizeof kFrictionStep);
 }
 
 void ProblemNote::add_file(const fs::path& file) {
