@@ -14,6 +14,8 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 constexpr double kFrame = 1.25e-3;  // m, how far the obstacle advances in a frame
+// Steps of the full solver in a frame with friction, which depends on them (solid/contact.h).
+constexpr int kStepsWithFriction = 4;
 
 double milliseconds_since(std::chrono::steady_clock::time_point begin) {
   return 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -143,8 +145,13 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
     while (depth < last) {
       // The last frame ends at the depth that is compared; it takes up to 10 % more instead of
       // leaving a very short frame.
+      const double before = depth;
       depth = last - depth < 1.1 * kFrame ? last : depth + kFrame;
-      if (!walk.advance(depth)) return walk.why_stopped();
+      const int steps = friction > 0.0 ? kStepsWithFriction : 1;
+      for (int k = 1; k <= steps; ++k) {
+        const double to = k == steps ? depth : before + (depth - before) * k / steps;
+        if (!walk.advance(to)) return walk.why_stopped();
+      }
       const ObstacleGaps gaps(obstacle_at(scene, depth));
       const auto begin = std::chrono::steady_clock::now();
       report = touch.advance(state, ExactObstacles(gaps));

@@ -67,7 +67,8 @@ class ExactObstacles : public Obstacles {
 /// @param refinements  how often, at each depth, the obstacle is kept at rest until the tables have
 ///                     blended in a full-order solution (response/refinement.h); `found` is called
 ///                     after each. The next depth continues from the unrefined state
-/// @param friction     Coulomb's coefficient in the full solution; the tables know no friction
+/// @param friction     Coulomb's coefficient in the full solution, which then makes four steps a
+///                     frame; the tables know no friction
 /// @returns why the full solver stopped before the last depth; empty if it did not
 [[nodiscard]] std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
                                         const Preloaded* preloaded, TouchSolver& touch,
