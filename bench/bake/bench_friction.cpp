@@ -228,7 +228,8 @@ void add_bench_friction(Command bench) {
   command.add_option("--seed", options->seed, "Of the scenes; 0: a fresh one, which is printed")
       .show_default();
   command
-      .add_option("--cells", options->cells, "In a radius of the contact of Cattaneo and Mindlin")
+      .add_option("--cells", options->cells,
+                  "Cells of the mesh in the contact radius, for Cattaneo and Mindlin")
       .in_range(4, 24)
       .show_default();
   command.add_option("--squeezes", options->squeezes, "Scenes of finger and thumb")

@@ -36,15 +36,15 @@ constexpr double kTighter = 0.05;  // factor on that tolerance after each update
 // Factor on ContactSettings::max_updates with friction: where several points of a triangle share a
 // force, their shares converge slowly.
 constexpr int kUpdatesWithFriction = 4;
-// Of the state without the points that begin to press in a step, which only says where they are
-// touched: the movement in a step is known to a few hundredths after as many.
+// Updates of the multipliers in predict(), and Newton steps in each: it needs no exact equilibrium,
+// because it only says where points are touched.
 constexpr int kPredictionUpdates = 2, kPredictionSteps = 6;
 // Spacing of the grid on which penetration between contact points is measured, ratio to their own.
 constexpr double kFinerGrid = 0.25;
 constexpr double kMostPoints = 2e6;  // contact points of a body; they take some 1 GB
 // Factor on ContactSettings::largest_entry between bodies with friction. Contact points of both
 // skins lie side by side and share a force; where the rim of a contact sticks, their shares
-// converge slowly, and 30 updates are not enough for the usual bound.
+// converge slowly. The usual bound was not reached in 30 updates.
 constexpr double kRubbing = 5.0;
 // Largest MutualPairs::Detection::shift at which the pairs between bodies count as converged.
 constexpr double kSettled = 1e-4;
@@ -154,7 +154,6 @@ struct ContactWalk::Work {
   VectorXd r, d, free_preload;
   double scale = 0.0;
   double held_norm = 0.0;
-  double smallest_mutual_gap = std::numeric_limits<double>::infinity();  // of settle()
 
   bool checked_begin = false;
   ContactState now, before;  // before: the previous state, for the extrapolation
@@ -315,15 +314,16 @@ struct ContactWalk::Work {
     return Stop::kLinearSolver;
   }
 
-  // Minimises the Lagrangian at fixed multipliers, starting from u.
-  Stop minimise(const ObstacleGaps& gaps, double tolerance, Matrix3Xd& u, BodyState& state) {
+  // Minimises the Lagrangian at fixed multipliers, starting from u, in `most` Newton steps.
+  Stop minimise(const ObstacleGaps& gaps, double tolerance, Matrix3Xd& u, BodyState& state,
+                int most) {
     double value = evaluate(gaps, u, state);
     if (!std::isfinite(value)) return Stop::kInversion;
     Matrix3Xd trial;
     for (int step = 0;; ++step) {
       const double norm = r.norm();
       if (norm <= std::max(tolerance * scale, assembly.force_noise())) return Stop::kNone;
-      if (step == settings.max_newton_steps) return Stop::kNoConvergence;
+      if (step == most) return Stop::kNoConvergence;
       if (const Stop failed = newton_step(u, tolerance); failed != Stop::kNone) return failed;
       ++newton_steps;
       const double slope = -r.dot(d);
@@ -372,49 +372,11 @@ struct ContactWalk::Work {
     if (mutual) mutual->use(mutual->detect(positions));
     BodyState state;
     if (with_obstacle()) predict(gaps, u);
-    if (const Stop failed = settle(gaps, u, state); failed != Stop::kNone) return failed;
-    return finish(gaps, t, std::move(u), state);
-  }
-
-  // Finds roughly where the nodes would be if the points that begin to press in this step did not:
-  // when and where these are touched follows from it. If that state is near equilibrium, u becomes
-  // it; there may be none.
-  void predict(const ObstacleGaps& gaps, Matrix3Xd& u) {
-    const ContactPairs::Saved saved = pairs.save();
-    const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
-    const int most = std::exchange(settings.max_newton_steps, kPredictionSteps);
-    pairs.leave_out_new(true);
-    Matrix3Xd predicted = u;
-    BodyState state;
-    bool is_near = true;
-    for (int update = 0; update < kPredictionUpdates && is_near; ++update) {
-      is_near = minimise(gaps, kFirstTolerance, predicted, state) == Stop::kNone;
-      positions = core.model.mesh.nodes + predicted;
-      update_friction(gaps);
-      pairs.update_multipliers();
-      if (mutual) mutual->update_multipliers();
-    }
-    settings.max_newton_steps = most;
-    pairs.set_predicted(positions);
-    if (is_near) {
-      u = std::move(predicted);
-    } else {
-      pairs.restore(saved);
-      if (mutual) mutual->restore(between);
-      positions = core.model.mesh.nodes + u;
-    }
-    pairs.leave_out_new(false);
-    pairs.find(gaps, positions, edge);
-    if (mutual) mutual->use(mutual->detect(positions));
-  }
-
-  // Minimises, and updates the multipliers, until both settle: u is then in equilibrium.
-  Stop settle(const ObstacleGaps& gaps, Matrix3Xd& u, BodyState& state) {
     double tolerance = std::max(kFirstTolerance, settings.tolerance);
     const bool rubs = with_obstacle() || between_bodies();
     const int most = settings.max_updates * (rubs ? kUpdatesWithFriction : 1);
     for (int update = 0; update < most; ++update) {
-      const Stop failed = minimise(gaps, tolerance, u, state);
+      const Stop failed = minimise(gaps, tolerance, u, state, settings.max_newton_steps);
       if (failed != Stop::kNone) return failed;
       positions = core.model.mesh.nodes + u;
       double change = update_friction(gaps);
@@ -430,7 +392,12 @@ struct ContactWalk::Work {
             all_there && detected.shift <= kSettled && detected.smallest_gap >= -largest_entry();
       }
       if (all_there && change <= largest_entry() && tolerance <= settings.tolerance) {
-        smallest_mutual_gap = detected.smallest_gap;
+        if (swallows(gaps)) return Stop::kSwallowed;
+        if (largest_movement(core.held, u) > core.model.largest_displacement) {
+          return Stop::kBeyondRange;
+        }
+        now.smallest_mutual_gap = detected.smallest_gap;
+        keep(gaps, t, std::move(u), state);
         return Stop::kNone;
       }
       if (mutual) mutual->use(std::move(detected));
@@ -439,16 +406,35 @@ struct ContactWalk::Work {
     return Stop::kNoConvergence;
   }
 
-  // Makes u, in equilibrium at time t, the state `now`, unless it is one that the walk must not
-  // reach.
-  Stop finish(const ObstacleGaps& gaps, double t, Matrix3Xd u, const BodyState& state) {
-    if (swallows(gaps)) return Stop::kSwallowed;
-    if (largest_movement(core.held, u) > core.model.largest_displacement) {
-      return Stop::kBeyondRange;
+  // With friction: estimates where the nodes would be at the end of the step without the points
+  // that begin to press in it. From this follows when and where those points are touched. If the
+  // estimate is near equilibrium, the step starts from it: u is set to it. A body that only the new
+  // points hold has no such equilibrium; u stays.
+  void predict(const ObstacleGaps& gaps, Matrix3Xd& u) {
+    const ContactPairs::Saved saved = pairs.save();
+    const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
+    pairs.leave_out_new(true);
+    Matrix3Xd predicted = u;
+    BodyState state;
+    bool is_near = true;
+    for (int update = 0; update < kPredictionUpdates && is_near; ++update) {
+      is_near = minimise(gaps, kFirstTolerance, predicted, state, kPredictionSteps) == Stop::kNone;
+      positions = core.model.mesh.nodes + predicted;
+      update_friction(gaps);
+      pairs.update_multipliers();
+      if (mutual) mutual->update_multipliers();
     }
-    now.smallest_mutual_gap = smallest_mutual_gap;
-    keep(gaps, t, std::move(u), state);
-    return Stop::kNone;
+    pairs.set_predicted(positions);
+    if (is_near) {
+      u = std::move(predicted);
+    } else {
+      pairs.restore(saved);
+      if (mutual) mutual->restore(between);
+      positions = core.model.mesh.nodes + u;
+    }
+    pairs.leave_out_new(false);
+    pairs.find(gaps, positions, edge);
+    if (mutual) mutual->use(mutual->detect(positions));
   }
 
   // m, the largest penetration of a contact point, and change of a force over its penalty.

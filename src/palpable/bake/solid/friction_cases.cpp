@@ -86,8 +86,8 @@ Obstacle mindlin_ball(double t) {
 // The ball is pressed without friction, and then has it.
 ContactWalk press_mindlin(const EquilibriumSolver& solver, int cells_in_radius, double coefficient,
                           double stiffer = 1.0) {
-  // No point lies on an edge or a diagonal of the cells, so that the forces on the nodes are
-  // unique.
+  // Longer than the diagonal of a cell: the corners are the only contact points, and each has one
+  // force that fits.
   const double spacing = 1.5 * kMindlinContact / cells_in_radius;
   ContactSettings settings{.largest_entry = 1e-7, .spacing = spacing};
   settings.sticking_penalty *= stiffer;
@@ -98,7 +98,7 @@ ContactWalk press_mindlin(const EquilibriumSolver& solver, int cells_in_radius, 
 }
 
 // Compliance of a contact that sticks all over, m/N, of the half block.
-// @param stiffer  factor on the stiffness with which points are held
+// @param stiffer  factor on ContactSettings::sticking_penalty
 double mindlin_compliance(const EquilibriumSolver& solver, int cells_in_radius,
                           double stiffer = 1.0) {
   ContactWalk walk = press_mindlin(solver, cells_in_radius, 20.0, stiffer);

@@ -14,8 +14,9 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 constexpr double kFrame = 1.25e-3;  // m, how far the obstacle advances in a frame
-// Steps of the full solver in a frame with friction, whose solution depends on the path: 0.125 mm.
-constexpr int kRubbingSteps = 10;
+// Steps of the full solver in a frame with friction, whose solution depends on the path
+// (solid/contact.h): 0.31 mm.
+constexpr int kRubbingSteps = 4;
 
 double milliseconds_since(std::chrono::steady_clock::time_point begin) {
   return 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

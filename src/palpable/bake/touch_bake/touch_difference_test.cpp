@@ -180,7 +180,7 @@ TEST_CASE("a press is solved once more with half the steps, on request",
   const TouchDifference rubbed = press({.friction = 0.5, .halves_steps = true});
   REQUIRE(rubbed.half_step);
   CHECK(*rubbed.half_step > 0);  // it was another solution
-  CHECK(*rubbed.half_step < tolerance(0.01, "of ten steps a frame: one root"));
+  CHECK(*rubbed.half_step < tolerance(0.01, "of four steps a frame: one root"));
   // Without friction there is one solution, of whatever path.
   const TouchDifference slid = press({.halves_steps = true});
   REQUIRE(slid.half_step);

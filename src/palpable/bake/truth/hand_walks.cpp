@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstddef>
 #include <mutex>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -16,7 +15,9 @@ namespace palpable {
 
 using Eigen::Matrix3Xd;
 
-std::string why_not_scored(double path_change) {
+std::string why_not_scored(double path_change, bool began_before) {
+  // What friction held before the clip began is not known.
+  if (began_before) return "touched from the first frame on: what friction holds is not known";
   if (path_change <= kPathMatters) return {};
   return fmt::format("depends on the way: half the step changes it by {:.1f} %",
                      100.0 * path_change);
@@ -33,10 +34,8 @@ bool differs(const Episode& episode, const Walked& fine, const Walked& coarse,
     if (one == fine.frames.end()) return false;
     if (other == coarse.frames.end()) return true;
     const Matrix3Xd& u = one->second.displacement;
-    std::vector<int> all(static_cast<std::size_t>(u.cols()));
-    std::iota(all.begin(), all.end(), 0);
     const Matrix3Xd rest = preloaded != nullptr ? preloaded->rest : Matrix3Xd();
-    return relative_change(u, other->second.displacement, all, rest) > 0.5 * kPathMatters;
+    return relative_change(u, other->second.displacement, {}, rest) > 0.5 * kPathMatters;
   });
 }
 
@@ -111,7 +110,7 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
     }
     return walked;
   };
-  // Each episode has two walks, 2 e in half steps and 2 e + 1; they are handed out one by one.
+  // Jobs are handed out one by one: 2 e follows episode e in half steps, 2 e + 1 in whole ones.
   std::vector<std::optional<Walked>> results(2 * episodes.size());
   work_in_parallel(static_cast<int>(results.size()), settings.threads, "", {}, [&](int job) {
     const auto at = static_cast<std::size_t>(job), first = at - at % 2;
@@ -143,8 +142,8 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
 double relative_change(const Matrix3Xd& a, const Matrix3Xd& b, const std::vector<int>& nodes,
                        const Matrix3Xd& rest) {
   const auto from_rest = [&](const Matrix3Xd& u) -> Matrix3Xd {
-    if (rest.cols() == 0) return u(Eigen::all, nodes);
-    return u(Eigen::all, nodes) - rest(Eigen::all, nodes);
+    const Matrix3Xd moved = rest.cols() == 0 ? u : Matrix3Xd(u - rest);
+    return nodes.empty() ? moved : Matrix3Xd(moved(Eigen::all, nodes));
   };
   const Matrix3Xd one = from_rest(a), other = from_rest(b);
   const double whole = std::max(one.norm(), other.norm());

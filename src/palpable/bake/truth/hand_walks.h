@@ -15,7 +15,6 @@
 #include <functional>
 #include <map>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace palpable {
@@ -33,12 +32,10 @@ inline constexpr double kFrictionStep = 1e-3;
 /// what a clip states.
 inline constexpr int kFramesBetweenTouches = 30;
 
-/// Why frames of a touch that began before the clip are not scored.
-inline constexpr std::string_view kBeganBefore =
-    "touched from the first frame on: what friction holds is not known";
-
-/// Why a frame with this change between the two walks is not scored; empty if it is.
-[[nodiscard]] std::string why_not_scored(double path_change);
+/// Why a frame is not scored; empty if it is.
+/// @param path_change   change of its displacement between the two walks
+/// @param began_before  with friction: its touch began before the clip
+[[nodiscard]] std::string why_not_scored(double path_change, bool began_before);
 
 /// The solution of one walk at one frame. N: nodes.
 struct WalkedFrame {
@@ -73,6 +70,7 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
 
 /// Difference of two displacements, relative to the larger of the two: L2 over some nodes, measured
 /// from `rest`. 0 if both are 0.
+/// @param nodes  empty: all
 /// @param rest  (3 x N) m; no columns: zero
 [[nodiscard]] double relative_change(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b,
                                      const std::vector<int>& nodes,

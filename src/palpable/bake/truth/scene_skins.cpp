@@ -215,8 +215,8 @@ class SceneSkins {
         why = "no solution: " + fine.why_stopped;
       } else {
         why = why_not_scored(
-            other == coarse.frames.end() ? 1.0 : change_of(solution->second, other->second));
-        if (rubs_ && episode.first == 0) why = kBeganBefore;
+            other == coarse.frames.end() ? 1.0 : change_of(solution->second, other->second),
+            rubs_ && episode.first == 0);
       }
       if (why.empty()) why = beyond_range(solution->second);
       for (std::size_t b = 0; b < parts_.size(); ++b) {

@@ -9,12 +9,9 @@
 #include "palpable/bake/truth/friction_choice.h"
 #include "palpable/bake/truth/hand_walks.h"
 #include "palpable/bake/truth/problem_note.h"
-#include "palpable/common/base/bounded_text.h"
-#include "palpable/common/base/checksum.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/folder_lock.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/base/whole_file.h"
 #include "palpable/common/body_file/body_file.h"
 
 #include <fmt/core.h>
@@ -243,10 +240,8 @@ class TrueSkins {
                 : relative_change(solution->second.displacement, other->second.displacement, skin_,
                                   presses_.rest());
         write_frame(solution->second, found);
-        if (friction_ > 0.0 && episode.first == 0) {
-          found.line.scored = false;
-          found.line.why = std::string(kBeganBefore);
-        }
+        found.line.why = why_not_scored(found.path_change, friction_ > 0.0 && episode.first == 0);
+        found.line.scored = found.line.why.empty();
       }
       lines_[frame] = found.line;
       found_[frame] = std::move(found);
@@ -270,8 +265,6 @@ class TrueSkins {
     found.largest_displacement =
         (solution.displacement - presses_.rest()).colwise().norm().maxCoeff();
     found.largest_von_mises = skin.values.maxCoeff();
-    found.line.why = why_not_scored(found.path_change);
-    found.line.scored = found.line.why.empty();
   }
 
   fs::path folder_;

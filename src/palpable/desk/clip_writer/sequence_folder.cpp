@@ -299,12 +299,12 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
   write_sequence({&one, 1}, order, folder, progress);
 }
 
-void write_sequence(std::span<const SequenceBody> wanted, const SequenceOrder& order,
+void write_sequence(std::span<const SequenceBody> bodies, const SequenceOrder& order,
                     const fs::path& folder, const Progress& progress) {
-  PALPABLE_EXPECT(!wanted.empty(), "a film has a body");
-  const bool several = wanted.size() > 1;
+  PALPABLE_EXPECT(!bodies.empty(), "a film has a body");
+  const bool several = bodies.size() > 1;
   std::vector<PlacedDeskBody> placed;
-  for (const SequenceBody& body : wanted) {
+  for (const SequenceBody& body : bodies) {
     placed.push_back({desk_body(*body.body), body.scene_from_body});
   }
   const Sequence sequence = sequence_of(placed, order);
@@ -314,17 +314,17 @@ void write_sequence(std::span<const SequenceBody> wanted, const SequenceOrder& o
   const StereoRig rig = zed_mini_rig();
   const RectifiedGeometry geometry = rectified_geometry(rig);
   const PinholeCamera view = geometry.stereo.camera.scaled_down(2);
-  std::vector<TruthBody> bodies;
+  std::vector<TruthBody> truths;
   for (std::size_t k = 0; k < placed.size(); ++k) {
     const Rigid3 desk_from_body =
         several ? desk_from_scene * placed[k].scene_from_body : desk_from_scene;
-    bodies.push_back(
-        {several ? fs::path("bodies") / wanted[k].name : fs::path(), placed[k].body,
+    truths.push_back(
+        {several ? fs::path("bodies") / bodies[k].name : fs::path(), placed[k].body,
          SurfaceDistance(placed[k].body.surface),
          transformed(sample_surface(placed[k].body.surface, kTruthSpacing), desk_from_body),
          desk_from_body, RectifiedStereo{view, geometry.stereo.baseline}});
   }
-  const FrameWriter writer{folder, sequence, bodies};
+  const FrameWriter writer{folder, sequence, truths};
   const int threads = order.threads > 0 ? order.threads : sequence.frames < kFramesForTwo ? 1 : 2;
   const fs::path truth = folder / "truth";
   std::optional<FolderLock> lock;
@@ -333,7 +333,7 @@ void write_sequence(std::span<const SequenceBody> wanted, const SequenceOrder& o
     make_folders(folder, order.replaces);
     write_stereo_calibration(folder / "frames" / "calibration.yml", {rig, kFramesPerSecond});
     write_texts(folder, sequence, desk_from_scene, several);
-    for (const TruthBody& body : bodies) {
+    for (const TruthBody& body : truths) {
       make_folder(truth / body.part);
       write_ply(truth / body.part / kBodySkinFile, body.body.surface);
       if (several) {
@@ -344,8 +344,8 @@ void write_sequence(std::span<const SequenceBody> wanted, const SequenceOrder& o
   };
   const std::vector<FrameLines> lines = film_frames(writer, threads, begin, progress);
   write_lines(truth / "hand.jsonl", lines, [](const FrameLines& l) { return l.hand; });
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
-    write_lines(truth / bodies[k].part / "contact.jsonl", lines,
+  for (std::size_t k = 0; k < truths.size(); ++k) {
+    write_lines(truth / truths[k].part / "contact.jsonl", lines,
                 [k](const FrameLines& l) { return l.contacts[k]; });
   }
   write_lines(truth / "trajectory.txt", lines, [](const FrameLines& l) { return l.trajectory; });

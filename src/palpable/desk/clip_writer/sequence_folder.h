@@ -34,8 +34,8 @@ struct SequenceBody {
 
 /// Films a scene of several bodies. Hands press the first of them ("beams": the upper one); the
 /// others only stand beside it. The truth of each body is in truth/bodies/NAME, with the files that
-/// truth/ has for a single body. @param wanted  with different names
-void write_sequence(std::span<const SequenceBody> wanted, const SequenceOrder& order,
+/// truth/ has for a single body. @param bodies  with different names
+void write_sequence(std::span<const SequenceBody> bodies, const SequenceOrder& order,
                     const std::filesystem::path& folder, const Progress& progress);
 
 /// Films `reduced` as ordered and writes frames/ and truth/ into `folder`, which must not exist or
