@@ -118,7 +118,8 @@ TEST_CASE("a finger that is dragged takes the skin along, until it slides", "[co
     }
     CHECK(top_moved(sticks) - began > 0.8 * 0.0002);
     CHECK(top_moved(sticks) - began < 1.1 * 0.0002);
-    CHECK(std::abs(top_moved(slips) - began_free) < 0.5 * 0.0002);
+    // Without friction the top goes along a little, too, because the dent moves.
+    CHECK(std::abs(top_moved(slips) - began_free) < 0.7 * 0.0002);
     const Sums held = sums_of(sticks);
     CHECK(held.friction.x() > 0);
     CHECK(held.size < 2 * held.normal);
