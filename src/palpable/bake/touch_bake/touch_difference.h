@@ -84,8 +84,8 @@ struct ComparisonSettings {
 
 /// Presses the body with a scene's obstacle, by the full solver and by the tables, in frames of at
 /// most 1.25 mm (one that ends at a given depth may be 10 % longer), and compares the two at the
-/// given depths. The full solver makes one step a frame; with friction four, as the solution depends
-/// on the path.
+/// given depths. The full solver makes one step a frame; with friction four, as the solution
+/// depends on the path.
 /// @param solver  of the model that `skin` belongs to
 /// @param depths  m, rising
 /// @param found   is called at each depth, and after each refinement there. The next depth
