@@ -38,6 +38,13 @@ constexpr double kConeOfChange = 0.01, kTightCone = 0.05, kLooseCone = 0.5;
 // touch. Under a finger that rests, points beside it are inside by rounding errors.
 constexpr double kTouches = 0.1;
 
+// With friction, no obstacle turns the normal of a point that presses by more than this in a step,
+// rad, in as many steps as kMostRubbingSteps. In one step a rim that moves aside by its radius
+// would leave all points that it holds, and take hold of others. A finger that moves by 1 mm needs
+// no division.
+constexpr float kTurnInStep = 0.3f;
+constexpr int kMostRubbingSteps = 8;
+
 // m, gap of a contact in a load step, in which obstacles stand back by `shift`, m.
 float gap_in_step(const Contact& c, double shift) {
   return c.distance + static_cast<float>(c.by < 0 ? shift : 0.0);
@@ -126,6 +133,14 @@ void ContactFrame::find_places() {
 
 // --- iterations
 
+// The force of the state at a contact; null: none.
+const PointForce* ContactFrame::force_before(const Contact& c) const {
+  const std::vector<PointForce>& forces = part(c.body).body->forces();
+  const PointForce wanted{c.point, {}, c.by};
+  const auto at = std::lower_bound(forces.begin(), forces.end(), wanted, stands_before);
+  return at == forces.end() || stands_before(wanted, *at) ? nullptr : &*at;
+}
+
 // Gives the contacts the forces of the states, and numbers their places. A force at a point that is
 // no longer a contact is dropped. @param goes_on  the contacts keep the forces of the round before
 void ContactFrame::take_up(double shift, bool goes_on) {
@@ -135,11 +150,8 @@ void ContactFrame::take_up(double shift, bool goes_on) {
   }
   for (Contact& c : search_.contacts()) {
     ContactPart& one = part(c.body);
-    const std::vector<PointForce>& forces = one.body->forces();
-    const PointForce wanted{c.point, {}, c.by};
-    const auto at = std::lower_bound(forces.begin(), forces.end(), wanted, stands_before);
-    const bool is_known = at != forces.end() && !stands_before(wanted, *at);
-    if (!goes_on && is_known) {
+    const PointForce* at = force_before(c);
+    if (!goes_on && at != nullptr) {
       c.force = at->force;
       c.friction = at->friction;
       c.pressing = std::max(0.0, static_cast<double>(at->force.dot(c.normal)));
@@ -148,7 +160,8 @@ void ContactFrame::take_up(double shift, bool goes_on) {
       c.force = c.friction = Vector3f::Zero();
       c.pressing = 0;
     }
-    const float entry = std::max(0.0f, -c.distance - static_cast<float>(c.by < 0 ? shift : 0.0));
+    const float distance = c.distance + c.normal.dot(c.ahead);
+    const float entry = std::max(0.0f, -distance - static_cast<float>(c.by < 0 ? shift : 0.0));
     c.place = one.places++;
     one.loads[c.place] = {c.force, entry};
     if (c.by < 0) continue;
@@ -413,13 +426,20 @@ ContactFriction ContactFrame::begun_friction(const Contact& c, double shift) {
   return rub;
 }
 
+// What the obstacle of a contact has yet to come in this step of its way in the frame.
+void ContactFrame::take_way_to_come(const Contact& c, double shift, ContactFriction& rub) const {
+  rub.to_come = left_ * rub.anchor.way;
+  const float along = std::max(0.0f, rub.anchor.way.dot(c.normal));
+  rub.is_farther_back = static_cast<float>(shift) > (1 - left_) * along;
+}
+
 // Takes over the anchor of the state.
 void ContactFrame::take_anchor(const Contact& c, double shift, ContactFriction& rub) const {
   rub.anchor = part(c.body).body->anchors()[static_cast<std::size_t>(rub.number)];
   rub.is_anchored = true;
   if (c.by < 0) {
-    rub.left = share_to_come(shift, rub.anchor.way.dot(c.normal));
-    rub.held = rub.anchor.place - rub.left * rub.anchor.way;
+    take_way_to_come(c, shift, rub);
+    rub.held = rub.anchor.place - rub.to_come;
   } else {
     ContactBody& other = *part(c.by).body;
     rub.held = other.shape_at(rub.anchor.on) + rub.anchor.place - other.shape_at(c.foot);
@@ -444,8 +464,8 @@ void ContactFrame::prepare_friction(double shift) {
 }
 
 // The motion in this step of what a contact presses. Where it is not known, it counts as one along
-// the normal, by as much as the shift has decreased. Another body counts as standing, because its
-// contacts are measured from it.
+// the normal, by as much as is inside when the frame begins. Another body counts as standing,
+// because its contacts are measured from it.
 ContactFrame::Came ContactFrame::find_way(const Contact& c, double shift,
                                           ContactFriction& rub) const {
   Came came;
@@ -453,15 +473,13 @@ ContactFrame::Came ContactFrame::find_way(const Contact& c, double shift,
   rub.anchor.part = c.part;
   const auto way = part(c.body).obstacles->way_of({c.part, place_now(c)});
   if (!way) {
-    came.along = static_cast<float>(std::max(0.0, std::min(shift_before_, depth_) - shift));
+    came.along = (left_before_ - left_) * static_cast<float>(depth_);
     return came;
   }
   rub.anchor.way = *way;
-  const float along = way->dot(c.normal);
-  rub.left_before = share_to_come(shift_before_, along);
-  rub.left = share_to_come(shift, along);
-  came.way = (rub.left_before - rub.left) * *way;
-  came.along = (rub.left_before - rub.left) * along;
+  take_way_to_come(c, shift, rub);
+  came.way = (left_before_ - left_) * *way;
+  came.along = came.way.dot(c.normal);
   return came;
 }
 
@@ -519,7 +537,7 @@ void ContactFrame::keep_anchor(const Contact& c, bool last) {
   if ((rub.slides || rub.is_new) && c.by < 0) {
     // In the plane through the point, so that a turn of the obstacle moves it along the skin.
     rub.held += c.normal.dot(place_now(c) - rub.held) * c.normal;
-    rub.anchor.place = rub.held + rub.left * rub.anchor.way;
+    rub.anchor.place = rub.held + rub.to_come;
   } else if (rub.slides || rub.is_new) {
     rub.anchor.on = c.foot;
     rub.anchor.place = rub.held;
@@ -536,7 +554,7 @@ void ContactFrame::keep_anchor(const Contact& c, bool last) {
   }
 }
 
-// Hands the anchors to the states. Load steps move all obstacles back, those too that stand still:
+// Hands the anchors to the states. A shift moves all obstacles back, those too that stand still:
 // points that lose contact in one of them keep their anchors until the last step, and points that
 // press an obstacle that is farther back than when the frame began keep them as they were.
 void ContactFrame::keep_anchors(bool last) {
@@ -547,7 +565,7 @@ void ContactFrame::keep_anchors(bool last) {
     if (!(c.pressing > 0)) continue;
     const ContactFriction& rub = rub_of(c);
     if (!rub.is_anchored || !(rub.coefficient > 0)) continue;
-    if (last || rub.number < 0 || rub.left < 1) keep_anchor(c, last);
+    if (last || rub.number < 0 || !rub.is_farther_back) keep_anchor(c, last);
   }
   for (const int k : members_) {
     std::vector<PointAnchor>& anchors = part(k).body->anchors();
@@ -690,6 +708,81 @@ void ContactFrame::judge() {
   }
 }
 
+// --- a frame
+
+// The steps that friction needs: obstacles that press now do not turn normals by more than
+// kTurnInStep in any of them. @pre contacts were searched
+int ContactFrame::rubbing_steps() const {
+  float largest = 0;
+  for (const Contact& c : search_.contacts()) {
+    const std::vector<PointAnchor>& anchors = part(c.body).body->anchors();
+    const int number = c.by < 0 ? number_of_anchor(anchors, c.point, c.by) : -1;
+    const PointForce* at = force_before(c);
+    if (number < 0 || at == nullptr) continue;
+    const Vector3f normal = (at->force - at->friction).normalized();
+    const Vector3f& way = anchors[static_cast<std::size_t>(number)].way;
+    // The obstacle may be beside the point now: of its surface, not of the distance there.
+    const float bend = largest_curvature(c.curvature);
+    const float of_surface = bend / (1 - bend * std::max(0.0f, c.distance));
+    largest = std::max(largest, of_surface * (way - way.dot(normal) * normal).norm());
+  }
+  const float steps = std::ceil(largest / kTurnInStep);
+  return static_cast<int>(std::clamp(steps, 1.0f, static_cast<float>(kMostRubbingSteps)));
+}
+
+// m, the way of a contact's obstacle in the frame; along the normal by as much as is inside where
+// that is not known.
+Vector3f ContactFrame::way_of_obstacle(const Contact& c) const {
+  const ContactPart& one = part(c.body);
+  const auto way = one.obstacles->way_of({c.part, one.body->shape_at(c.point)});
+  return way ? *way : Vector3f(std::max(0.0f, -c.distance) * c.normal);
+}
+
+// m, the depth of obstacles where they were when the frame began. @pre contacts were searched
+double ContactFrame::depth_before() const {
+  float depth = 0;
+  for (const Contact& c : search_.contacts()) {
+    if (c.by >= 0) continue;
+    const GapBeside beside = gap_beside(c.normal, c.curvature, way_of_obstacle(c));
+    depth = std::max(depth, -c.distance - beside.farther);
+  }
+  return static_cast<double>(depth);
+}
+
+// Moves obstacles back by the share left_ of their ways.
+void ContactFrame::move_obstacles_back() {
+  for (Contact& c : search_.contacts()) {
+    if (c.by < 0) c.ahead = left_ * way_of_obstacle(c);
+  }
+}
+
+// How a frame is divided into steps. Obstacles are moved back so that a skin enters them by no more
+// than one step: along the normals, by a shift. With friction they come on their own ways, and a
+// shift moves them back only by what was inside before the frame.
+ContactFrame::Division ContactFrame::divide(double depth, double largest_move) {
+  const auto steps_of = [this](double way) {
+    return static_cast<int>(
+        std::ceil(std::min(way / limits_.largest_step, 1.0 * limits_.most_steps)));
+  };
+  Division division;
+  division.steps = std::max(1, std::min(steps_of(depth), steps_of(largest_move)));
+  division.shift_at_end = std::max(0.0, depth - division.steps * limits_.largest_step);
+  division.shift_at_begin = depth;
+  if (!rubs_) return division;
+  division.steps = std::max(division.steps, rubbing_steps());
+  if (division.steps > 1) {
+    division.shift_at_begin = std::max(division.shift_at_end, depth_before());
+  }
+  return division;
+}
+
+// m, by which obstacles are moved back in a step of a frame that was divided.
+double ContactFrame::shift_in(int step, const Division& division) const {
+  if (!rubs_) return std::max(0.0, division.shift_at_begin - step * limits_.largest_step);
+  const double left = static_cast<double>(division.steps - step) / division.steps;
+  return division.shift_at_end + left * (division.shift_at_begin - division.shift_at_end);
+}
+
 ContactReport ContactFrame::solve(std::span<const int> members, std::span<const SkinPair> pairs,
                                   double largest_move) {
   begin(members, pairs);
@@ -699,24 +792,22 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
     if (c.by < 0) depth = std::max(depth, -static_cast<double>(c.distance));
   }
   report_.inside_before = depth;
-  const auto steps_of = [this](double way) {
-    return static_cast<int>(
-        std::ceil(std::min(way / limits_.largest_step, 1.0 * limits_.most_steps)));
-  };
-  const int steps = std::max(1, std::min(steps_of(depth), steps_of(largest_move)));
+  const Division division = divide(depth, largest_move);
+  const int steps = division.steps;
   is_entered_ = false;
   depth_ = depth;
-  shift_before_ = std::numeric_limits<double>::infinity();
+  left_before_ = 1;
   if (steps > 1) search_.remember();
   for (int step = 1; step <= steps; ++step) {
-    // Obstacles are moved back so that a skin enters them by no more than one step.
-    const double shift = std::max(0.0, depth - step * limits_.largest_step);
+    const double shift = shift_in(step, division);
     const bool last = step == steps;
+    left_ = static_cast<float>(steps - step) / static_cast<float>(steps);
     if (!last) {
       search_.choose_remembered(shift);
     } else if (steps > 1 || shift > 0) {
       search_.find(shift);
     }
+    if (rubs_ && !last) move_obstacles_back();
     // A point with a force that is no longer near an obstacle is no contact, and loses its force.
     report_.dropped = 0;
     find_places();
@@ -731,7 +822,7 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
     }
     ++report_.steps;
     end_step(last);
-    shift_before_ = shift;
+    left_before_ = left_;
   }
   end_frame(largest_move);
   judge();

@@ -104,6 +104,7 @@ class ContactFrame {
   [[nodiscard]] ContactPart& part(int k) const { return parts_[static_cast<std::size_t>(k)]; }
   void begin(std::span<const int> members, std::span<const SkinPair> pairs);
   void find_places();
+  [[nodiscard]] const PointForce* force_before(const Contact& contact) const;
   void take_up(double shift, bool goes_on);
   void settle(double shift, bool last, bool goes_on, int most);
   double iterate(double shift, float share);
@@ -123,6 +124,7 @@ class ContactFrame {
   void begin_friction();
   void start_friction(double shift, bool goes_on);
   [[nodiscard]] ContactFriction begun_friction(const Contact& contact, double shift);
+  void take_way_to_come(const Contact& contact, double shift, ContactFriction& rub) const;
   void take_anchor(const Contact& contact, double shift, ContactFriction& rub) const;
   void follow_foot(const Contact& contact);
   [[nodiscard]] Eigen::Vector3f place_now(const Contact& contact) const;
@@ -147,6 +149,17 @@ class ContactFrame {
   bool find_parts(const ContactPart& one, float radius);
   [[nodiscard]] double depth_of_parts(ContactPart& one, bool may_be_enclosed);
 
+  struct Division {
+    int steps = 1;
+    double shift_at_begin = 0, shift_at_end = 0;  // m
+  };
+  [[nodiscard]] Division divide(double depth, double largest_move);
+  [[nodiscard]] double shift_in(int step, const Division& division) const;
+  [[nodiscard]] int rubbing_steps() const;
+  [[nodiscard]] Eigen::Vector3f way_of_obstacle(const Contact& contact) const;
+  [[nodiscard]] double depth_before() const;
+  void move_obstacles_back();
+
   std::span<ContactPart> parts_;
   std::size_t most_;
   ContactSearch search_;
@@ -166,8 +179,10 @@ class ContactFrame {
   bool rubs_ = false;            // something may rub in this frame
   bool leaves_out_new_ = false;  // this iteration is without the points that begin to press
   double depth_ = 0;             // m, of obstacles when the frame began
-  double shift_before_ = 0;      // m, of the step before; infinite in the first
-  double change_ = 0;            // m, by the iteration before; infinite in a step's first
+  // Share of their ways in the frame that obstacles have yet to come in this step, and in the one
+  // before.
+  float left_ = 0, left_before_ = 1;
+  double change_ = 0;  // m, by the iteration before; infinite in a step's first
   std::vector<ContactFriction> frictions_;         // of the contacts of a step (Contact::rub)
   std::vector<Eigen::Vector3f> frictions_before_;  // as forces_before_
   std::vector<ProblemBody> bodies_;                // by their number

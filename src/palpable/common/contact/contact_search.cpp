@@ -364,7 +364,7 @@ void ContactSearch::find_gaps_of(int body, double shift) {
     if (c.body != body || c.by >= 0) continue;
     queried_points_.push_back(c.point);
     of_queried_.push_back(k);
-    queried_at_.push_back(one.body->position(c.place));
+    queried_at_.push_back(one.body->position(c.place) + c.ahead);
   }
   if (queried_points_.empty()) return;
   gaps_.resize(queried_points_.size());

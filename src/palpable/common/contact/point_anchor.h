@@ -61,9 +61,9 @@ struct ContactFriction {
   bool slides = false;       ///< by the last iteration
   int number = -1;           ///< of its anchor in the state's list; -1: it has none there
   PointAnchor anchor;        ///< as the state has it
-  /// Share of the obstacle's way in the frame that it has yet to come, in the step before (1: the
-  /// frame began) and in the present one.
-  float left_before = 1, left = 0;
+  /// m, body frame: what the obstacle has yet to come in this step of its way in the frame.
+  Eigen::Vector3f to_come = Eigen::Vector3f::Zero();
+  bool is_farther_back = false;  ///< the obstacle is in this step than when the frame began
   /// m, the anchor in the present step. By an obstacle: its place, body frame. By another body: its
   /// vector from the contact's foot, in that body's frame.
   Eigen::Vector3f held = Eigen::Vector3f::Zero();
@@ -83,17 +83,6 @@ struct ContactFriction {
 [[nodiscard]] inline float time_of_contact(float before, float after) {
   if (!(after < 0)) return 1;
   return before > 0 ? before / (before - after) : 0;
-}
-
-/// Share of its way in a frame that an obstacle has yet to come in a load step, in which it stands
-/// back from where it will be. It comes straight and evenly.
-/// @param back   m, along the normal of a contact
-/// @param along  m, its way in the frame along that normal. Less than `back`: in this step it is
-///               farther back than when the frame began, which is 1 as well
-[[nodiscard]] inline float share_to_come(double back, float along) {
-  if (!(back > 0)) return 0;
-  return static_cast<double>(along) > back ? static_cast<float>(back / static_cast<double>(along))
-                                           : 1.0f;
 }
 
 }  // namespace palpable
