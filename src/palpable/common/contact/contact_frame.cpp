@@ -42,8 +42,8 @@ constexpr double kTouches = 0.1;
 // rad, in as many steps as kMostRubbingSteps. In one step a rim that moves aside by its radius
 // would leave all points that it holds, and take hold of others. A finger that moves by 1 mm needs
 // no division.
-constexpr float kTurnInStep = 0.3f;
-constexpr int kMostRubbingSteps = 8;
+constexpr float kTurnInStep = 0.35f;
+constexpr int kMostRubbingSteps = 3;
 
 // m, gap of a contact in a load step, in which obstacles stand back by `shift`, m.
 float gap_in_step(const Contact& c, double shift) {
