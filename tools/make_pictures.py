@@ -95,6 +95,21 @@ def write_pressure(body, work):
     print(PICTURES / "pressure.jpg")
 
 
+def write_rubbing(body, work):
+    """A finger dragged along the back, an ear between finger and thumb: without friction, and with it."""
+    hands = work / "rub.jsonl"
+    hands.write_text(subprocess.run([sys.executable, ROOT / "tools/rubbing_hands.py"], check=True, capture_output=True,
+                                    text=True).stdout)
+    films = []
+    for friction in (0, 0.6):
+        out = work / f"rub-{friction}"
+        if not (out / "touch.mp4").exists():
+            run("live", body, "--source", hands, "--friction", friction, "--out", out)
+        films.append(frames_of(out / "touch.mp4", range(15, 324, 3)))
+    pairs = [numpy.hstack([film[n][90:580, 400:900] for film in films]) for n in sorted(films[0])]
+    write_webp("rubbing.webp", pairs, 3, (0, 0, 1000, 490), 900, 70)
+
+
 def played(work, name, film_words, live_words):
     """The film that `palpable live` writes of a synthetic clip; both are made if they do not exist."""
     clip, out = work / name, work / (name + "-live")
@@ -118,6 +133,7 @@ def main():
         write_row("figure_9.jpg", film, [174, 248], width=720)
         write_row("figure_16.jpg", film, [98, 142], (330, 110, 1280, 644), 800)
         write_pressure(options.bunny, options.work)
+        write_rubbing(options.bunny, options.work)
         hands = ROOT / "../shared/data/hands_desk"
         if hands.is_dir():
             out = options.work / "hands_desk"

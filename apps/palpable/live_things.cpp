@@ -27,10 +27,10 @@ namespace fs = std::filesystem;
 
 constexpr double kFarthestBody = 100;  // m
 
-constexpr std::array<std::string_view, 20> kThingsOptions{
-    "source",  "place",  "scale",     "set",    "contact",   "frames",      "paced",
-    "threads", "out",    "overwrite", "events", "serve",     "write",       "frame-pictures",
-    "stats",   "window", "colors",    "opaque", "no-window", "print-config"};
+constexpr std::array<std::string_view, 21> kThingsOptions{
+    "source", "place",   "scale",  "set",       "contact",   "friction",     "frames",
+    "paced",  "threads", "out",    "overwrite", "events",    "serve",        "write",
+    "stats",  "window",  "colors", "opaque",    "no-window", "print-config", "frame-pictures"};
 constexpr std::array<std::string_view, 4> kCameraFiles{"depth", "masks", "stills", "film"};
 
 bool is_among(std::span<const std::string_view> names, std::string_view name) {

@@ -64,6 +64,23 @@ def _(programs, folder):
     assert read_touches(folder / "again") == [line for line in touches if line["frame"] < 6]
 
 
+@case("with --friction a finger that is dragged takes the skin along, and the touch says with which force")
+def _(programs, folder):
+    body = touched_body(programs)
+    lines = [finger(0.1 * k, 0.001 * k) for k in range(5)] + [finger(0.5 + 0.1 * k, 0.004, at=(0.001 * k, 0, 0)) for k in range(1, 4)]
+    hands = write_lines(folder / "hands.jsonl", lines)
+
+    def dragged(out, *more):
+        programs.succeeds("live", body, "--source", hands, "--out", folder / out, "--write", "data", *more)
+        return read_touches(folder / out)[-1]["touches"][0]
+
+    free, held = dragged("free"), dragged("held", "--friction", "0.8")
+    assert "friction" not in free, free
+    assert held["friction_coefficient"] == 0.8 and held["friction"][0] > 0.1, held
+    assert held["force"][0] > free["force"][0] + 0.1, (free, held)
+    assert json.loads((folder / "held/live.json").read_text())["friction_residual_m"] < 1e-5
+
+
 @case("palpable hands makes a hands file from joints and from a film, and it presses as joints and film did")
 def _(programs, folder):
     body = touched_body(programs)
