@@ -19,7 +19,7 @@ async function bodies(bytes: ArrayBuffer, bar: (share: number) => void): Promise
 function things(joints: Float32Array, radii: Float32Array): Thing[] {
   const hand: Float64Array = handCapsules('webxr', 'right', joints, radii);
   const ball: Capsule = { a: [0, 0, 0.2], b: [0, 0, 0.2], radiusA: 0.01, radiusB: 0.02 };
-  return [{ id: 1, capsules: hand }, { id: 2n, capsules: [ball, { a: ball.a, b: ball.b, radiusA: 0.01 }] },
+  return [{ id: 1, capsules: hand }, { id: 2n, capsules: [ball, { a: ball.a, b: ball.b, radiusA: 0.01 }], friction: 0.5 },
           { capsules: handCapsules('mediapipe', 'left', [...joints]) }];
 }
 
