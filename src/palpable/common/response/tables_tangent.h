@@ -100,7 +100,7 @@ class TablesTangent {
     std::size_t first = 0, last = 0;  // in order_
     std::size_t at = 0;               // where their rows begin in mode_rows_ and turned_
   };
-  void fill_row(const TablesAt& at, const UnitForce& force, std::span<float> row) const;
+  void fill_row(const TablesAt& at, const UnitForce& unit, std::span<float> row) const;
   void find_mode_rows(const TablesAt& at, std::span<const UnitForce> forces);
   void add_modes(const TablesAt& at, std::span<const UnitForce> forces, std::span<double> W,
                  std::size_t m, std::span<double> q);
