@@ -12,11 +12,13 @@ RADIUS = 0.008  # m, of a fingertip
 LENGTH = 0.045  # m, of a finger
 AWAY = 0.06  # m from the skin, where fingers wait
 
-# m, frame of the body: a place of the back, the finger's direction from its tip, and the way of the drag.
+# Frame of the body. The place of the back that is pressed (m), the direction from the finger's tip to its root, and the
+# direction of the drag.
 BACK = (0.006, 0.012, 0.0965)
 UP = (0.25, -0.2, 0.947)
 ALONG = (0.0, 1.0, -0.08)
-# The middle of an ear near its tip, its thin direction, and the direction of the two fingers.
+# A point (m) inside an ear near its tip, the direction across which the ear is thin, and the direction from tip to root of
+# both fingers. They pinch along THIN.
 EAR = (-0.0134, -0.0075, 0.139)
 THIN = (0.85, 0.49, 0.17)
 FINGERS = (-0.05, -0.33, 0.94)

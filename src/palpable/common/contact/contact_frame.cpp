@@ -30,18 +30,18 @@ constexpr std::size_t kMostSharpParts = 4096;
 // share of what is left, or by this much, m.
 constexpr double kNearerShare = 0.1, kNearer = 0.005;
 
-// The residual that the problem with friction may have, as a ratio to what the iteration before
-// moved. More than kLooseCone and less than kTightCone of ContactLimits::tolerance is not asked
-// for.
+// The residual, m, that the problem with friction may keep: this share of how far the iteration
+// before moved a point, but at least kTightCone and at most kLooseCone times
+// ContactLimits::tolerance.
 constexpr double kConeOfChange = 0.01, kTightCone = 0.05, kLooseCone = 0.5;
 // Ratio to ContactLimits::tolerance: a point that was left out and is inside by less does not
 // touch. Under a finger that rests, points beside it are inside by rounding errors.
 constexpr double kTouches = 0.1;
 
-// With friction, no obstacle turns the normal of a point that presses by more than this in a step,
-// rad, in as many steps as kMostRubbingSteps. In one step a rim that moves aside by its radius
-// would leave all points that it holds, and take hold of others. A finger that moves by 1 mm needs
-// no division.
+// With friction a frame is divided so that in no step an obstacle turns the normal of a pressing
+// point by more than this, rad, but into kMostRubbingSteps at most. If a rim moved aside by its
+// radius in one step, the points under it would lose contact and friction, and other points would
+// be anchored instead. A finger that moves by 1 mm needs one step.
 constexpr float kTurnInStep = 0.35f;
 constexpr int kMostRubbingSteps = 3;
 
@@ -303,7 +303,8 @@ void ContactFrame::make_room_for_friction() {
 // Coulomb's coefficient between two bodies: the root of the product of both, so that a body without
 // friction rubs no other one.
 float ContactFrame::friction_between(int one, int other) const {
-  return static_cast<float>(std::sqrt(part(one).body->friction() * part(other).body->friction()));
+  return static_cast<float>(
+      palpable::friction_between(part(one).body->friction(), part(other).body->friction()));
 }
 
 float ContactFrame::friction_of(const Contact& contact) const {
@@ -738,22 +739,22 @@ Vector3f ContactFrame::way_of_obstacle(const Contact& c) const {
   return way ? *way : Vector3f(std::max(0.0f, -c.distance) * c.normal);
 }
 
-// m, the depth of obstacles where they were when the frame began. @pre contacts were searched
+// Moves obstacles back to where they were when the frame began.
+void ContactFrame::move_obstacles_to_begin() {
+  for (Contact& c : search_.contacts()) {
+    if (c.by < 0) c.ahead = way_of_obstacle(c);
+  }
+}
+
+// m, the depth of obstacles where they were when the frame began. @pre move_obstacles_to_begin()
 double ContactFrame::depth_before() const {
   float depth = 0;
   for (const Contact& c : search_.contacts()) {
     if (c.by >= 0) continue;
-    const GapBeside beside = gap_beside(c.normal, c.curvature, way_of_obstacle(c));
+    const GapBeside beside = gap_beside(c.normal, c.curvature, c.ahead);
     depth = std::max(depth, -c.distance - beside.farther);
   }
   return static_cast<double>(depth);
-}
-
-// Moves obstacles back by the share left_ of their ways.
-void ContactFrame::move_obstacles_back() {
-  for (Contact& c : search_.contacts()) {
-    if (c.by < 0) c.ahead = left_ * way_of_obstacle(c);
-  }
 }
 
 // How a frame is divided into steps. Obstacles are moved back so that a skin enters them by no more
@@ -771,6 +772,7 @@ ContactFrame::Division ContactFrame::divide(double depth, double largest_move) {
   if (!rubs_) return division;
   division.steps = std::max(division.steps, rubbing_steps());
   if (division.steps > 1) {
+    move_obstacles_to_begin();
     division.shift_at_begin = std::max(division.shift_at_end, depth_before());
   }
   return division;
@@ -807,7 +809,8 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
     } else if (steps > 1 || shift > 0) {
       search_.find(shift);
     }
-    if (rubs_ && !last) move_obstacles_back();
+    // Remembered contacts have the whole way before them; those just found, nothing.
+    for (Contact& c : search_.contacts()) c.ahead *= left_;
     // A point with a force that is no longer near an obstacle is no contact, and loses its force.
     report_.dropped = 0;
     find_places();

@@ -158,7 +158,7 @@ class ContactFrame {
   [[nodiscard]] int rubbing_steps() const;
   [[nodiscard]] Eigen::Vector3f way_of_obstacle(const Contact& contact) const;
   [[nodiscard]] double depth_before() const;
-  void move_obstacles_back();
+  void move_obstacles_to_begin();
 
   std::span<ContactPart> parts_;
   std::size_t most_;

@@ -323,7 +323,7 @@ TEST_CASE("frames with friction give the same bytes, and allocate nothing", "[co
 }
 
 // A frame in which a thing moves aside by its radius is divided into steps. In one step the points
-// that it holds would be lost, and others taken hold of.
+// under it would lose contact and friction, and others would be anchored instead.
 TEST_CASE("a thin thing that moves far in a frame holds the skin as in small frames",
           "[contact][friction]") {
   constexpr double kRadius = 0.0015, kFar = 0.0015;

@@ -1,6 +1,7 @@
 #include "palpable/common/contact/coulomb_cone.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/contact/dense_solve.h"
 
 #include <algorithm>
 #include <cmath>
@@ -59,35 +60,6 @@ double symmetric_entry(std::span<const double> W, std::size_t m, std::size_t i, 
 double own_compliance(const ConeProblem& p, std::size_t i) {
   const std::size_t n = p.q_t.size();
   return std::max(p.W_tt[2 * i * n + 2 * i], p.W_tt[(2 * i + 1) * n + 2 * i + 1]);
-}
-
-// Solves A x = b by elimination with exchanged rows; A row by row. False: A is singular.
-bool eliminate(std::vector<double>& A, std::vector<double>& b, std::size_t n) {
-  for (std::size_t k = 0; k < n; ++k) {
-    std::size_t pivot = k;
-    for (std::size_t i = k + 1; i < n; ++i) {
-      if (std::abs(A[i * n + k]) > std::abs(A[pivot * n + k])) pivot = i;
-    }
-    if (!(std::abs(A[pivot * n + k]) > 0)) return false;
-    if (pivot != k) {
-      std::swap_ranges(A.begin() + static_cast<std::ptrdiff_t>(k * n),
-                       A.begin() + static_cast<std::ptrdiff_t>((k + 1) * n),
-                       A.begin() + static_cast<std::ptrdiff_t>(pivot * n));
-      std::swap(b[k], b[pivot]);
-    }
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const double factor = A[i * n + k] / A[k * n + k];
-      if (factor == 0) continue;
-      for (std::size_t j = k; j < n; ++j) A[i * n + j] -= factor * A[k * n + j];
-      b[i] -= factor * b[k];
-    }
-  }
-  for (std::size_t k = n; k-- > 0;) {
-    for (std::size_t j = k + 1; j < n; ++j) b[k] -= A[k * n + j] * b[j];
-    b[k] /= A[k * n + k];
-    if (!std::isfinite(b[k])) return false;
-  }
-  return true;
 }
 
 }  // namespace
@@ -326,7 +298,10 @@ bool CoulombCone::newton_step(const ConeProblem& p, std::span<double> f, std::sp
       }
     }
   }
-  if (!eliminate(matrix_, right_, count)) return false;
+  if (!solve_in_place(matrix_.data(), count, right_.data(), 1)) return false;
+  const auto is_finite = [](double x) { return std::isfinite(x); };
+  if (!std::all_of(right_.begin(), right_.begin() + static_cast<std::ptrdiff_t>(count), is_finite))
+    return false;
   for (std::size_t i = 0; i < m; ++i) {
     f[i] = column_of_[i] >= 0 ? right_[static_cast<std::size_t>(column_of_[i])] : 0;
   }

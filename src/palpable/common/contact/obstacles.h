@@ -126,7 +126,7 @@ class Obstacles {
     return static_cast<void>(of_body), 0.0f;
   }
   /// A material point of the frame before in this one; nothing if its part is gone. A point of a
-  /// part that stands still comes back to the bit.
+  /// part that stands still is returned unchanged, to the bit.
   [[nodiscard]] virtual std::optional<MaterialPoint> carried(const MaterialPoint& before) const {
     return static_cast<void>(before), std::nullopt;
   }

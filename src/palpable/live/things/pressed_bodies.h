@@ -91,7 +91,8 @@ class PressedBodies {
   std::vector<Capsule> outside_, outside_before_;
   std::vector<Run> runs_, runs_before_;
   std::vector<int> things_;  // which thing each capsule belongs to
-  // Of friction: that of each capsule, and which capsule each of the last call has become.
+  // For friction: the coefficient of each capsule, and the number that each capsule of the last
+  // call has in this one (-1: it is gone).
   std::vector<float> friction_;
   std::vector<int> now_of_;
   std::size_t count_before_ = 0;  // capsules of the last call
