@@ -46,6 +46,9 @@ constexpr double kMostPoints = 2e6;  // contact points of a body; they take some
 // skins lie side by side and share a force; where the rim of a contact sticks, their shares
 // converge slowly. The usual bound was not reached in 30 updates.
 constexpr double kRubbing = 5.0;
+// Factors on ContactSettings::tolerance and ContactSettings::largest_entry for states with friction
+// that are only passed.
+constexpr double kPassingTolerance = 1e3, kPassingEntry = 10.0;
 // Largest MutualPairs::Detection::shift at which the pairs between bodies count as converged.
 constexpr double kSettled = 1e-4;
 
@@ -348,7 +351,8 @@ struct ContactWalk::Work {
   }
 
   // Finds equilibrium with the obstacle at time t; on success it becomes `now`.
-  Stop solve(double t) {
+  // @param passing  the state is not wanted, only what friction holds in it
+  Stop solve(double t, bool passing) {
     const ObstacleGaps gaps(motion(t));
     if (!checked_begin) {
       positions = core.model.mesh.nodes + now.displacement;
@@ -372,8 +376,10 @@ struct ContactWalk::Work {
     if (mutual) mutual->use(mutual->detect(positions));
     BodyState state;
     if (with_obstacle()) predict(gaps, u);
-    double tolerance = std::max(kFirstTolerance, settings.tolerance);
-    const bool rubs = with_obstacle() || between_bodies();
+    const bool rubs = with_obstacle() || between_bodies(), roughly = rubs && passing;
+    const double least_tolerance = settings.tolerance * (roughly ? kPassingTolerance : 1.0);
+    const double most_entry = largest_entry() * (roughly ? kPassingEntry : 1.0);
+    double tolerance = std::max(kFirstTolerance, least_tolerance);
     const int most = settings.max_updates * (rubs ? kUpdatesWithFriction : 1);
     for (int update = 0; update < most; ++update) {
       const Stop failed = minimise(gaps, tolerance, u, state, settings.max_newton_steps);
@@ -389,9 +395,9 @@ struct ContactWalk::Work {
         detected = mutual->detect(positions);
         if (detected.buried > 0) return Stop::kSwallowed;
         all_there =
-            all_there && detected.shift <= kSettled && detected.smallest_gap >= -largest_entry();
+            all_there && detected.shift <= kSettled && detected.smallest_gap >= -most_entry;
       }
-      if (all_there && change <= largest_entry() && tolerance <= settings.tolerance) {
+      if (all_there && change <= most_entry && tolerance <= least_tolerance) {
         if (swallows(gaps)) return Stop::kSwallowed;
         if (largest_movement(core.held, u) > core.model.largest_displacement) {
           return Stop::kBeyondRange;
@@ -401,7 +407,7 @@ struct ContactWalk::Work {
         return Stop::kNone;
       }
       if (mutual) mutual->use(std::move(detected));
-      tolerance = std::max(kTighter * tolerance, settings.tolerance);
+      tolerance = std::max(kTighter * tolerance, least_tolerance);
     }
     return Stop::kNoConvergence;
   }
@@ -541,6 +547,7 @@ struct ContactWalk::Work {
     now.centre = moment / sum;  // NaN without force
     now.complementarity = sum > 0.0 ? largest_product / (sum * size) : 0.0;
     now.entry_between = entry_between(gaps);
+    now.held_entry = pairs.held_entry(gaps, positions);
     if (!mutual) return;
     now.mutual_force = mutual->force_on_components();
     now.mutual_touching =
@@ -592,6 +599,7 @@ struct ContactWalk::Work {
     double deepest = 0.0;
     for (const ContactPoint& point :
          contact_points(core.model.mesh, near, kFinerGrid * spacing).points) {
+      if (pairs.is_held(point)) continue;
       const Vector3d x = position_of(point, positions);
       deepest = std::max(deepest, -gaps.distance(x));
     }
@@ -607,7 +615,7 @@ struct ContactWalk::Work {
     return corners;
   }
 
-  bool advance(double t) {
+  bool advance(double t, bool passing) {
     updates = newton_steps = cg_iterations = factors = 0;
     now.steps = 0;
     double step = t - now.t;
@@ -617,7 +625,7 @@ struct ContactWalk::Work {
       const double next = std::abs(step) >= std::abs(left) ? t : now.t + step;
       const ContactPairs::Saved multipliers = pairs.save();
       const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
-      stop = solve(next);
+      stop = solve(next, passing || next != t);
       if (stop == Stop::kNone) {
         ++now.steps;
         if (halvings > 0) --halvings;
@@ -678,7 +686,8 @@ ContactWalk::~ContactWalk() = default;
 ContactWalk::ContactWalk(ContactWalk&&) noexcept = default;
 ContactWalk& ContactWalk::operator=(ContactWalk&&) noexcept = default;
 
-bool ContactWalk::advance(double t) { return work_->advance(t); }
+bool ContactWalk::advance(double t) { return work_->advance(t, false); }
+bool ContactWalk::pass(double t) { return work_->advance(t, true); }
 
 void ContactWalk::set_friction(double coefficient) {
   work_->settings.friction = coefficient;

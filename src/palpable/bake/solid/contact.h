@@ -6,6 +6,9 @@
 ///     internal_force(u) = preload + sum f_i n_i N(x_i)        at the free nodes
 ///     g_i(u) >= 0,   f_i >= 0,   g_i f_i = 0                  at every contact point
 ///
+/// Points whose nodes are all held are none of these: no force would move them out of an obstacle,
+/// which passes through them (ContactState::held_entry).
+///
 ///   N  nodes      u  displacement, (3 x N) m      t  time of the obstacle's motion
 ///
 /// With ContactSettings::mutual the components of a mesh, which share no node (joined_model.h),
@@ -87,6 +90,8 @@ struct ContactState {
   /// Largest penetration between the contact points, m, >= 0, on a grid four times as fine as
   /// theirs.
   double entry_between = 0;
+  /// Largest penetration of skin whose nodes are all held, m, >= 0.
+  double held_entry = 0;
   double smallest_force = 0;   ///< N, along the normal, of all pairs that are near: >= 0
   double complementarity = 0;  ///< largest |g f| over (size * the sum of all f)
   double residual = 0;         ///< relative, as ContactSettings::tolerance
@@ -134,6 +139,11 @@ class ContactWalk {
   /// Advances to time t in one step, or in halves of it where that fails. Returns false if t was
   /// not reached: now() is then the last state in equilibrium, and why_stopped() the reason.
   bool advance(double t);
+
+  /// As advance(), to a state that is only passed on the way to one that is wanted. With friction,
+  /// where the way matters, its residual may be 1000 times as large, its penetration 10 times; the
+  /// states behind it change far less than by half the step. Without friction it is advance().
+  bool pass(double t);
 
   /// Changes ContactSettings::friction from the present state on: an obstacle that pressed without
   /// friction, for example, holds the skin where it is then.

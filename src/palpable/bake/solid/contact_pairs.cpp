@@ -70,6 +70,24 @@ ContactPairs::ContactPairs(const TetAssembly& assembly, const Boundary& boundary
   const std::vector<int>& free = assembly.free_nodes();
   for (std::size_t m = 0; m < free.size(); ++m) free_of_node_[free[m]] = static_cast<int>(m);
   assembly.gather(Matrix3Xd::Ones(3, assembly.node_count()), mask_);
+  for (std::size_t i = 0; i < points.points.size(); ++i) {
+    if (is_held(points.points[i])) held_points_.push_back(static_cast<int>(i));
+  }
+}
+
+bool ContactPairs::is_held(const ContactPoint& point) const {
+  return std::all_of(point.nodes.begin(), point.nodes.begin() + point.count,
+                     [&](int node) { return free_of_node_[node] < 0; });
+}
+
+double ContactPairs::held_entry(const ObstacleGaps& gaps, const Matrix3Xd& positions) const {
+  double entry = 0.0;
+  const std::vector<int> parts = parts_near(gaps, positions, 0.0);
+  for (const int point : held_points_) {
+    const Vector3d x = position_of(points_.points[point], positions);
+    for (const int part : parts) entry = std::max(entry, -gaps.distance(part, x));
+  }
+  return entry;
 }
 
 bool ContactPairs::has(int point, int part) const {
@@ -94,7 +112,7 @@ int ContactPairs::find(const ObstacleGaps& gaps, const Matrix3Xd& positions, dou
         const int point = points_.of_triangle[i];
         const Vector3d x = position_of(points_.points[point], positions);
         const double distance = gaps.distance(part, x);
-        if (distance > margin || has(point, part)) continue;
+        if (distance > margin || is_held(points_.points[point]) || has(point, part)) continue;
         fresh.push_back({.point = point,
                          .part = part,
                          .penalty = penalties_[point],
@@ -171,8 +189,12 @@ void ContactPairs::begin_step(const ObstacleGaps& gaps, const Obstacle& before,
       pair.friction = {};
       continue;
     }
-    pair.anchor = carried(before, *part, gaps.obstacle(), pair.part, pair.anchor);
-    pair.friction.normal = gaps.gap(pair.part, pair.anchor).normal;
+    const Vector3d anchor = carried(before, *part, gaps.obstacle(), pair.part, pair.anchor);
+    // The normal turns with the part, so that an obstacle at rest leaves the state in equilibrium.
+    pair.friction.normal = carried(before, *part, gaps.obstacle(), pair.part,
+                                   pair.anchor + pair.friction.normal) -
+                           anchor;
+    pair.anchor = anchor;
   }
 }
 

@@ -71,6 +71,11 @@ class ContactPairs {
   /// are held where they are. @param positions  of the last state
   void set_friction(double coefficient, const Eigen::Matrix3Xd& positions);
 
+  /// Whether all nodes of a point are held. Such a point has no pairs.
+  [[nodiscard]] bool is_held(const ContactPoint& point) const;
+  /// m, how deep the obstacle is inside the points that are held; 0 if it is outside.
+  [[nodiscard]] double held_entry(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions) const;
+
   /// Adds all missing pairs that are nearer than `margin`, and drops pairs without multiplier that
   /// are farther than twice that. @returns the number of added pairs that touch (gap below 0)
   int find(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions, double margin);
@@ -147,6 +152,7 @@ class ContactPairs {
   const Eigen::VectorXd& penalties_;
   Friction friction_;
   std::vector<int> free_of_node_;
+  std::vector<int> held_points_;
   Eigen::VectorXd mask_;            // (3M) 1, and 0 in held directions
   std::vector<ContactPair> pairs_;  // ordered by point, then part
   bool leaves_out_new_ = false;

@@ -197,6 +197,62 @@ TEST_CASE("friction that begins later holds the skin where it is then",
   }
 }
 
+TEST_CASE("states that are only passed lead to the same state as exact ones",
+          "[solid][contact][friction]") {
+  const EquilibriumSolver solver(block(4));
+  const auto drag = [](double t) {
+    Obstacle dragged = ball_at(std::min(t, 0.006));
+    dragged.capsules[0].a.x() += std::max(0.0, t - 0.006);
+    dragged.capsules[0].b.x() = dragged.capsules[0].a.x();
+    return dragged;
+  };
+  ContactWalk exact(solver, drag, -1e-3, {.friction = 0.3});
+  ContactWalk rough(solver, drag, -1e-3, {.friction = 0.3});
+  ContactWalk shorter(solver, drag, -1e-3, {.friction = 0.3});
+  int exact_steps = 0, rough_steps = 0;
+  for (int i = 1; i <= 11; ++i) {
+    REQUIRE(exact.advance(1e-3 * i));
+    REQUIRE(rough.pass(1e-3 * i));
+    exact_steps += exact.now().newton_steps;
+    rough_steps += rough.now().newton_steps;
+    REQUIRE(shorter.advance(1e-3 * i - 0.5e-3));
+    REQUIRE(shorter.advance(1e-3 * i));
+  }
+  REQUIRE(exact.advance(0.012));
+  REQUIRE(rough.advance(0.012));
+  REQUIRE(shorter.advance(0.0115));
+  REQUIRE(shorter.advance(0.012));
+  check_conditions(rough);
+  CHECK(rough_steps < exact_steps);
+  const Matrix3Xd& u = exact.now().displacement;
+  const double by_passing = (rough.now().displacement - u).norm() / u.norm();
+  const double by_step = (shorter.now().displacement - u).norm() / u.norm();
+  CAPTURE(by_passing, by_step, exact_steps, rough_steps);
+  CHECK(by_passing <= tolerance(0.1, "far less than half the step") * by_step);
+}
+
+TEST_CASE("an obstacle passes through skin that is held, and presses what is not",
+          "[solid][contact]") {
+  // A ball comes from aside, level with the held base: deepest inside it, less so above.
+  const EquilibriumSolver solver(block(5));
+  const auto aside = [](double t) {
+    return Obstacle{.capsules = {ball({-0.05 + t, 0.05, 0.0}, 0.05)}};
+  };
+  for (const double friction : {0.0, 0.3}) {
+    CAPTURE(friction);
+    ContactWalk walk(solver, aside, -1e-3, {.friction = friction});
+    REQUIRE(walk.advance(0.002));
+    REQUIRE(walk.advance(0.004));
+    check_conditions(walk);
+    CHECK(walk.now().touching > 0);
+    CHECK(walk.now().force.x() > 0);
+    CHECK(walk.now().held_entry == Approx(0.004).epsilon(tolerance(0.05, "the spacing of points")));
+    for (const int node : block(5).fixed_nodes) {
+      CHECK(walk.now().displacement.col(node) == Vector3d(0, 0, 0));
+    }
+  }
+}
+
 TEST_CASE("a turned problem has the turned solution, with friction as well",
           "[solid][contact][friction]") {
   const auto end_state = [](const Rigid3& turn) {

@@ -112,7 +112,7 @@ class FullWalks {
  private:
   [[nodiscard]] static bool advance_in(ContactWalk& walk, double from, double to, int steps) {
     for (int k = 1; k < steps; ++k) {
-      if (!walk.advance(from + (to - from) * k / steps)) return false;
+      if (!walk.pass(from + (to - from) * k / steps)) return false;
     }
     return walk.advance(to);
   }

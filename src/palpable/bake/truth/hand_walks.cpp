@@ -1,5 +1,6 @@
 #include "palpable/bake/truth/hand_walks.h"
 
+#include "palpable/bake/truth/frame_steps.h"
 #include "palpable/common/base/parallel_work.h"
 
 #include <fmt/core.h>
@@ -39,31 +40,6 @@ bool differs(const Episode& episode, const Walked& fine, const Walked& coarse,
   });
 }
 
-// How near the body's box a capsule must come for its motion to count, ratio to the diagonal.
-constexpr double kNearBody = 0.1;
-
-// m, the largest movement of a capsule's end from the frame before, of the capsules near the body.
-double way_in_frame(const ClipHands& hands, int frame, const Eigen::AlignedBox3d& near_body) {
-  if (frame == 0) return 0.0;
-  const auto now = static_cast<std::size_t>(frame);
-  const std::vector<Capsule>&from = hands.capsules[now - 1], &to = hands.capsules[now];
-  double way = 0.0;
-  for (std::size_t k = 0; k < std::min(from.size(), to.size()); ++k) {
-    if (!box_of(from[k]).intersects(near_body) && !box_of(to[k]).intersects(near_body)) continue;
-    way = std::max({way, (to[k].a - from[k].a).norm(), (to[k].b - from[k].b).norm()});
-  }
-  return way;
-}
-
-// The body's box, grown by kNearBody.
-Eigen::AlignedBox3d near_body_of(const TetMesh& mesh) {
-  Eigen::AlignedBox3d box(mesh.nodes.rowwise().minCoeff(), mesh.nodes.rowwise().maxCoeff());
-  const double margin = kNearBody * box.diagonal().norm();
-  box.min().array() -= margin;
-  box.max().array() += margin;
-  return box;
-}
-
 }  // namespace
 
 void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
@@ -76,7 +52,7 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
     to_do += 2.0 * (episode.wanted.back() - episode.first + 1);
   }
   const bool rubs = settings.contact.friction > 0.0 || settings.contact.mutual_friction > 0.0;
-  const Eigen::AlignedBox3d near_body = near_body_of(solver.model().mesh);
+  const FrameSteps frame_steps(hands, solver.model().mesh);
   std::mutex mutex;
   // @param shorter  factor by which steps are shorter than those of the first walk
   const auto walk_of = [&](const Episode& episode, int shorter) {
@@ -85,12 +61,13 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
                      settings.preloaded);
     Walked walked;
     for (int frame = episode.first; frame <= episode.wanted.back(); ++frame) {
-      const double moved_by = rubs ? way_in_frame(hands, frame, near_body) : 0.0;
       const int steps =
-          shorter * std::max(1, static_cast<int>(std::ceil(moved_by / kFrictionStep)));
+          rubs ? frame_steps.count(frame, walk.now().displacement, kFrictionStep, shorter) : shorter;
+      const bool is_wanted = std::find(episode.wanted.begin(), episode.wanted.end(), frame) !=
+                             episode.wanted.end();
       for (int step = 1; step <= steps; ++step) {
         const double t = frame - 1 + static_cast<double>(step) / steps;
-        if (walk.advance(t)) continue;
+        if (step == steps && is_wanted ? walk.advance(t) : walk.pass(t)) continue;
         walked.why_stopped = walk.why_stopped();
         return walked;
       }
@@ -98,9 +75,7 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
         const std::lock_guard lock(mutex);
         report(progress, {"following the hand", ++done, std::max(1.0, to_do), ""});
       }
-      if (std::find(episode.wanted.begin(), episode.wanted.end(), frame) == episode.wanted.end()) {
-        continue;
-      }
+      if (!is_wanted) continue;
       const ContactState& now = walk.now();
       WalkedFrame& solution = walked.frames[frame];
       solution = {now.displacement, now.force, now.centre, now.entry_between, {}, {}};
