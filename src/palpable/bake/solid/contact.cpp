@@ -379,7 +379,7 @@ struct ContactWalk::Work {
     const bool rubs = with_obstacle() || between_bodies(), roughly = rubs && passing;
     const double least_tolerance = settings.tolerance * (roughly ? kPassingTolerance : 1.0);
     const double most_entry = largest_entry() * (roughly ? kPassingEntry : 1.0);
-    double tolerance = std::max(kFirstTolerance, least_tolerance);
+    double tolerance = std::max(kFirstTolerance, settings.tolerance);
     const int most = settings.max_updates * (rubs ? kUpdatesWithFriction : 1);
     for (int update = 0; update < most; ++update) {
       const Stop failed = minimise(gaps, tolerance, u, state, settings.max_newton_steps);
@@ -407,7 +407,7 @@ struct ContactWalk::Work {
         return Stop::kNone;
       }
       if (mutual) mutual->use(std::move(detected));
-      tolerance = std::max(kTighter * tolerance, least_tolerance);
+      tolerance = std::max(kTighter * tolerance, settings.tolerance);
     }
     return Stop::kNoConvergence;
   }
