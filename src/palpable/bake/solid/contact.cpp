@@ -667,7 +667,9 @@ struct ContactWalk::Work {
           return "the obstacle lies inside the body where its way begins, or a body in another";
         }
         if (!checked_begin) return "the obstacle lies inside the body where its way begins";
-        reason = "it would get inside the body through its skin; go in smaller steps";
+        reason = now.held_entry > 0.0
+                     ? "it would get inside the body through skin that is held"
+                     : "it would get inside the body through its skin; go in smaller steps";
         break;
       case Stop::kBeyondRange:
         reason = beyond_range_text(core.model.largest_displacement);
