@@ -362,11 +362,12 @@ struct ContactWalk::Work {
     }
     const Matrix3Xd positions_before = core.model.mesh.nodes + now.displacement;
     if (mutual) mutual->use(mutual->detect(positions_before));
-    pairs.reassign_parts(gaps, positions_before);
+    const Obstacle obstacle_before = motion(now.t);
+    pairs.reassign_parts(gaps, obstacle_before, positions_before);
     if (with_obstacle()) {
       // All points that may touch, so that the start is the same whatever was near before.
       pairs.find(gaps, positions_before, edge);
-      pairs.begin_step(gaps, motion(now.t), positions_before);
+      pairs.begin_step(gaps, obstacle_before, positions_before);
     }
     if (between_bodies()) mutual->begin_step(positions_before);
     Matrix3Xd u = start(gaps, t);
@@ -417,7 +418,7 @@ struct ContactWalk::Work {
   // estimate is near equilibrium, the step starts from it: u is set to it. A body that only the new
   // points hold has no such equilibrium; u stays.
   void predict(const ObstacleGaps& gaps, Matrix3Xd& u) {
-    const ContactPairs::Saved saved = pairs.save();
+    const std::vector<ContactPair> saved = pairs.pairs();
     const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
     pairs.leave_out_new(true);
     Matrix3Xd predicted = u;
@@ -623,7 +624,7 @@ struct ContactWalk::Work {
     while (now.t != t) {
       const double left = t - now.t;
       const double next = std::abs(step) >= std::abs(left) ? t : now.t + step;
-      const ContactPairs::Saved multipliers = pairs.save();
+      const std::vector<ContactPair> multipliers = pairs.pairs();
       const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
       stop = solve(next, passing || next != t);
       if (stop == Stop::kNone) {

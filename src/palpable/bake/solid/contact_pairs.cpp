@@ -140,9 +140,10 @@ int ContactPairs::find(const ObstacleGaps& gaps, const Matrix3Xd& positions, dou
   return static_cast<int>(touching);
 }
 
-void ContactPairs::reassign_parts(const ObstacleGaps& gaps, const Matrix3Xd& positions) {
+void ContactPairs::reassign_parts(const ObstacleGaps& gaps, const Obstacle& before,
+                                  const Matrix3Xd& positions) {
+  if (has_same_parts(before, gaps.obstacle())) return;
   const int parts = gaps.part_count();
-  if (parts == std::exchange(parts_, parts)) return;
   std::erase_if(pairs_,
                 [&](const ContactPair& pair) { return pair.multiplier == 0.0 || parts == 0; });
   for (ContactPair& pair : pairs_) {

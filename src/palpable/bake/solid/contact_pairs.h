@@ -124,22 +124,14 @@ class ContactPairs {
   /// outside, their remaining force over k
   double update_multipliers();
 
-  /// Call this where the obstacle may have another number of parts than before: a cup appears, a
-  /// hand leaves. The numbers of its parts then have a new meaning. Each pair with a multiplier is
-  /// assigned to the part that is nearest to its point now; all other pairs are dropped. Does
-  /// nothing if the number of parts is the same.
-  void reassign_parts(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions);
+  /// Where the obstacle has other parts than `before`, at the last state, the numbers of its parts
+  /// have a new meaning: a cup has appeared, a hand has left. Each pair with a multiplier is then
+  /// assigned to the part that is nearest to its point now; all other pairs are dropped.
+  void reassign_parts(const ObstacleGaps& gaps, const Obstacle& before,
+                      const Eigen::Matrix3Xd& positions);
 
   /// The pairs, to be restored after a step that failed.
-  struct Saved {
-    std::vector<ContactPair> pairs;
-    int parts = 0;
-  };
-  [[nodiscard]] Saved save() const { return {pairs_, parts_}; }
-  void restore(Saved saved) {
-    pairs_ = std::move(saved.pairs);
-    parts_ = saved.parts;
-  }
+  void restore(std::vector<ContactPair> pairs) { pairs_ = std::move(pairs); }
 
  private:
   [[nodiscard]] bool has(int point, int part) const;
@@ -156,7 +148,6 @@ class ContactPairs {
   Eigen::VectorXd mask_;            // (3M) 1, and 0 in held directions
   std::vector<ContactPair> pairs_;  // ordered by point, then part
   bool leaves_out_new_ = false;
-  int parts_ = 0;  // of the obstacle at the last reassign_parts()
 
   // With friction, of the present step: the obstacle and the nodes at its beginning, and
   // set_predicted().

@@ -36,7 +36,7 @@ struct BallOnBeam {
   // One step in which the beam stays where it is.
   void step(const Obstacle& before, const Obstacle& after) {
     const ObstacleGaps gaps(after);
-    pairs.reassign_parts(gaps, nodes());
+    pairs.reassign_parts(gaps, before, nodes());
     pairs.begin_step(gaps, before, nodes());
     pairs.set_predicted(nodes());
     pairs.find(gaps, nodes(), 0.05);
@@ -103,6 +103,23 @@ TEST_CASE("an anchor moves with its part, also where other parts appear, until i
   body.step(before, after);
   body.pairs.end_step(body.nodes());
   for (const ContactPair& pair : body.pairs.pairs()) { CHECK_FALSE(pair.friction.anchored); }
+}
+
+TEST_CASE("a part keeps its points where as many others come as go", "[solid][contact]") {
+  BallOnBeam body;
+  Obstacle before = BallOnBeam::at(0.002), after = before;
+  before.half_spaces.push_back({{0, 0, 1}, {0, 0, -1}});
+  // A ball comes and the half space goes: the ball that presses is part 1 of two as well.
+  after.capsules.insert(after.capsules.begin(), ball({0.2, 0.05, 0.9}, 0.3));
+  body.step(before, before);
+  body.step(before, after);
+  int pressing = 0;
+  for (const ContactPair& pair : body.pairs.pairs()) {
+    if (pair.multiplier == 0.0) continue;
+    CHECK(pair.part == 1);
+    ++pressing;
+  }
+  CHECK(pressing > 20);
 }
 
 TEST_CASE("friction of a ball is the slope of a potential, and the tangent its derivative",
