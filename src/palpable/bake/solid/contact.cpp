@@ -395,8 +395,7 @@ struct ContactWalk::Work {
       if (mutual) {
         detected = mutual->detect(positions);
         if (detected.buried > 0) return Stop::kSwallowed;
-        all_there =
-            all_there && detected.shift <= kSettled && detected.smallest_gap >= -most_entry;
+        all_there = all_there && detected.shift <= kSettled && detected.smallest_gap >= -most_entry;
       }
       if (all_there && change <= most_entry && tolerance <= least_tolerance) {
         if (swallows(gaps)) return Stop::kSwallowed;

@@ -192,9 +192,9 @@ void ContactPairs::begin_step(const ObstacleGaps& gaps, const Obstacle& before,
     }
     const Vector3d anchor = carried(before, *part, gaps.obstacle(), pair.part, pair.anchor);
     // The normal turns with the part, so that an obstacle at rest leaves the state in equilibrium.
-    pair.friction.normal = carried(before, *part, gaps.obstacle(), pair.part,
-                                   pair.anchor + pair.friction.normal) -
-                           anchor;
+    pair.friction.normal =
+        carried(before, *part, gaps.obstacle(), pair.part, pair.anchor + pair.friction.normal) -
+        anchor;
     pair.anchor = anchor;
   }
 }

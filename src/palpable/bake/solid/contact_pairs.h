@@ -74,7 +74,8 @@ class ContactPairs {
   /// Whether all nodes of a point are held. Such a point has no pairs.
   [[nodiscard]] bool is_held(const ContactPoint& point) const;
   /// m, how deep the obstacle is inside the points that are held; 0 if it is outside.
-  [[nodiscard]] double held_entry(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions) const;
+  [[nodiscard]] double held_entry(const ObstacleGaps& gaps,
+                                  const Eigen::Matrix3Xd& positions) const;
 
   /// Adds all missing pairs that are nearer than `margin`, and drops pairs without multiplier that
   /// are farther than twice that. @returns the number of added pairs that touch (gap below 0)

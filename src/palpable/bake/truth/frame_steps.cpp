@@ -17,8 +17,7 @@ FrameSteps::FrameSteps(const ClipHands& hands, const TetMesh& mesh)
       boundary_(boundary_of(mesh)),
       edge_(mean_edge_length(boundary_.surface)) {}
 
-int FrameSteps::count(int frame, const Matrix3Xd& displacement, double longest,
-                      int shorter) const {
+int FrameSteps::count(int frame, const Matrix3Xd& displacement, double longest, int shorter) const {
   const double way = way_in_frame(frame, displacement);
   if (way == 0.0) return 1;
   return shorter * static_cast<int>(std::ceil(way / longest));

@@ -62,9 +62,10 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
     Walked walked;
     for (int frame = episode.first; frame <= episode.wanted.back(); ++frame) {
       const int steps =
-          rubs ? frame_steps.count(frame, walk.now().displacement, kFrictionStep, shorter) : shorter;
-      const bool is_wanted = std::find(episode.wanted.begin(), episode.wanted.end(), frame) !=
-                             episode.wanted.end();
+          rubs ? frame_steps.count(frame, walk.now().displacement, kFrictionStep, shorter)
+               : shorter;
+      const bool is_wanted =
+          std::find(episode.wanted.begin(), episode.wanted.end(), frame) != episode.wanted.end();
       for (int step = 1; step <= steps; ++step) {
         const double t = frame - 1 + static_cast<double>(step) / steps;
         if (step == steps && is_wanted ? walk.advance(t) : walk.pass(t)) continue;

@@ -55,9 +55,8 @@ std::pair<Matrix3Xd, Matrix3Xd> found_by_hand(const EquilibriumSolver& solver,
                                               const ContactSettings& settings) {
   const int last = static_cast<int>(hands.capsules.size()) - 1;
   std::pair<Matrix3Xd, Matrix3Xd> found;
-  follow_hand(solver, hands, {{.first = 1, .wanted = {last}}},
-              {.contact = settings, .threads = 1}, {},
-              [&](const Episode&, const Walked& fine, const Walked& coarse) {
+  follow_hand(solver, hands, {{.first = 1, .wanted = {last}}}, {.contact = settings, .threads = 1},
+              {}, [&](const Episode&, const Walked& fine, const Walked& coarse) {
                 found = {fine.frames.at(last).displacement, coarse.frames.at(last).displacement};
               });
   return found;
