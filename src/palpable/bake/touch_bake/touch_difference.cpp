@@ -94,6 +94,8 @@ class FullWalks {
   // Advances both by one frame. Returns why one of them stopped; empty if none did.
   [[nodiscard]] std::string advance(double from, double to) {
     if (!advance_in(*walk_, from, to, steps_)) return walk_->why_stopped();
+    // Nothing yields there, and no live touch counts as an answer.
+    if (walk_->now().held_entry > 0) return "the obstacle presses skin that the support holds";
     if (finer_ && !advance_in(*finer_, from, to, 2 * steps_)) {
       return "with half the steps " + finer_->why_stopped();
     }

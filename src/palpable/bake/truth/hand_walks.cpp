@@ -16,7 +16,10 @@ namespace palpable {
 
 using Eigen::Matrix3Xd;
 
-std::string why_not_scored(double path_change, bool began_before) {
+std::string why_not_scored(double path_change, bool began_before, double held_entry) {
+  // No force would keep the hand out of it, and how the body gives way beside it depends on how
+  // deep the hand is inside.
+  if (held_entry > 0.0) return "presses skin that the support holds";
   // What friction held before the clip began is not known.
   if (began_before) return "touched from the first frame on: what friction holds is not known";
   if (path_change <= kPathMatters) return {};
@@ -79,7 +82,8 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
       if (!is_wanted) continue;
       const ContactState& now = walk.now();
       WalkedFrame& solution = walked.frames[frame];
-      solution = {now.displacement, now.force, now.centre, now.entry_between, {}, {}};
+      solution = {now.displacement, now.force, now.centre, now.entry_between,
+                  now.held_entry,   {},        {}};
       if (!settings.contact.mutual) continue;
       solution.hand_forces = walk.nodal_forces();
       solution.other_forces = walk.mutual_nodal_forces();

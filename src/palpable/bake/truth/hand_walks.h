@@ -35,7 +35,8 @@ inline constexpr int kFramesBetweenTouches = 30;
 /// Why a frame is not scored; empty if it is.
 /// @param path_change   change of its displacement between the two walks
 /// @param began_before  with friction: its touch began before the clip
-[[nodiscard]] std::string why_not_scored(double path_change, bool began_before);
+/// @param held_entry    m, WalkedFrame::held_entry
+[[nodiscard]] std::string why_not_scored(double path_change, bool began_before, double held_entry);
 
 /// The solution of one walk at one frame. N: nodes.
 struct WalkedFrame {
@@ -43,6 +44,7 @@ struct WalkedFrame {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< N, of the hand
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< m, its centre
   double entry = 0;                                  ///< m, see ContactState::entry_between
+  double held_entry = 0;                             ///< m, see ContactState
   Eigen::Matrix3Xd hand_forces, other_forces;        ///< (3 x N) N; with ContactSettings::mutual
 };
 

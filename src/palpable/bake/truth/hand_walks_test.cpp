@@ -62,6 +62,28 @@ std::pair<Matrix3Xd, Matrix3Xd> found_by_hand(const EquilibriumSolver& solver,
   return found;
 }
 
+TEST_CASE("frames that say nothing about a response are not scored", "[truth]") {
+  CHECK(why_not_scored(0.5 * kPathMatters, false, 0.0).empty());
+  CHECK(why_not_scored(0.02, false, 0.0) ==
+        "depends on the way: half the step changes it by 2.0 %");
+  CHECK_FALSE(why_not_scored(0.0, true, 0.0).empty());
+  CHECK(why_not_scored(0.0, false, 1e-4) == "presses skin that the support holds");
+
+  // A ball against the lower edge of the block, which is held.
+  const EquilibriumSolver solver(block());
+  ClipHands hands;
+  for (const double deep : {-1e-3, 1e-3}) {
+    hands.capsules.push_back({ball({-0.02 + deep, 0.05, 0.0}, 0.02)});
+  }
+  hands.contacts.resize(2);
+  double entry = 0;
+  follow_hand(solver, hands, {{.first = 1, .wanted = {1}}}, {.threads = 1}, {},
+              [&](const Episode&, const Walked& fine, const Walked&) {
+                entry = fine.frames.at(1).held_entry;
+              });
+  CHECK(entry == Approx(1e-3).epsilon(0.1));
+}
+
 TEST_CASE("where steps and half steps differ, quarter steps take the place of steps",
           "[truth][friction]") {
   const EquilibriumSolver solver(block());

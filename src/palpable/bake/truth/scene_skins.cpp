@@ -216,7 +216,7 @@ class SceneSkins {
       } else {
         why = why_not_scored(
             other == coarse.frames.end() ? 1.0 : change_of(solution->second, other->second),
-            rubs_ && episode.first == 0);
+            rubs_ && episode.first == 0, solution->second.held_entry);
       }
       if (why.empty()) why = beyond_range(solution->second);
       for (std::size_t b = 0; b < parts_.size(); ++b) {

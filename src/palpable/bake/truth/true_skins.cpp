@@ -240,7 +240,8 @@ class TrueSkins {
                 : relative_change(solution->second.displacement, other->second.displacement, skin_,
                                   presses_.rest());
         write_frame(solution->second, found);
-        found.line.why = why_not_scored(found.path_change, friction_ > 0.0 && episode.first == 0);
+        found.line.why = why_not_scored(found.path_change, friction_ > 0.0 && episode.first == 0,
+                                        solution->second.held_entry);
         found.line.scored = found.line.why.empty();
       }
       lines_[frame] = found.line;
