@@ -81,7 +81,8 @@ TEST_CASE("frames that say nothing about a response are not scored", "[truth]") 
               [&](const Episode&, const Walked& fine, const Walked&) {
                 entry = fine.frames.at(1).held_entry;
               });
-  CHECK(entry == Approx(1e-3).epsilon(0.1));
+  CHECK(entry > 0.5e-3);
+  CHECK(entry <= 1e-3);
 }
 
 TEST_CASE("where steps and half steps differ, quarter steps take the place of steps",
