@@ -190,12 +190,8 @@ void ContactPairs::begin_step(const ObstacleGaps& gaps, const Obstacle& before,
       pair.friction = {};
       continue;
     }
-    const Vector3d anchor = carried(before, *part, gaps.obstacle(), pair.part, pair.anchor);
-    // The normal turns with the part, so that an obstacle at rest leaves the state in equilibrium.
-    pair.friction.normal =
-        carried(before, *part, gaps.obstacle(), pair.part, pair.anchor + pair.friction.normal) -
-        anchor;
-    pair.anchor = anchor;
+    pair.anchor = carried(before, *part, gaps.obstacle(), pair.part, pair.anchor);
+    pair.friction.normal = gaps.gap(pair.part, pair.anchor).normal;
   }
 }
 
