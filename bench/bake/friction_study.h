@@ -42,7 +42,7 @@ struct FrictionDifference {
 /// Presses a scene to 5 mm in steps of 0.625 mm, and in half of these.
 /// @param coefficient  Coulomb's; 0: none
 /// @returns relative change of the displacement (L2 over the skin's vertices) with half the step;
-///          nothing where a solution stopped before
+///          nothing where a solution stopped before, or the obstacle presses skin that is held
 [[nodiscard]] std::optional<double> change_of_press(const EquilibriumSolver& solver,
                                                     const SkinResponse& skin,
                                                     const Preloaded* preloaded,

@@ -625,7 +625,7 @@ struct ContactWalk::Work {
       const double next = std::abs(step) >= std::abs(left) ? t : now.t + step;
       const std::vector<ContactPair> multipliers = pairs.pairs();
       const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
-      stop = solve(next, passing || next != t);
+      stop = solve(next, passing);
       if (stop == Stop::kNone) {
         ++now.steps;
         if (halvings > 0) --halvings;
