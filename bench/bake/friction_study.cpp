@@ -98,8 +98,7 @@ std::optional<double> change_of_press(const EquilibriumSolver& solver, const Ski
     const double depth = kDepth * k / steps;
     if (!coarse.advance(depth)) return std::nullopt;
     if (!fine.advance(depth - 0.5 * kDepth / steps) || !fine.advance(depth)) return std::nullopt;
-    // How the body gives way beside skin that is held depends on how deep the obstacle is in that.
-    if (fine.now().held_entry > 0) return std::nullopt;
+    if (fine.now().held_entry > kHeldMatters) return std::nullopt;
   }
   return change_between(skin, coarse.now(), fine.now());
 }

@@ -159,6 +159,7 @@ struct ContactWalk::Work {
   double held_norm = 0.0;
 
   bool checked_begin = false;
+  bool is_rough = false;     // `now` was only passed
   ContactState now, before;  // before: the previous state, for the extrapolation
   Stop stop = Stop::kNone;
   std::string why;
@@ -620,7 +621,7 @@ struct ContactWalk::Work {
     now.steps = 0;
     double step = t - now.t;
     int halvings = 0;
-    while (now.t != t) {
+    while (now.t != t || (is_rough && !passing)) {
       const double left = t - now.t;
       const double next = std::abs(step) >= std::abs(left) ? t : now.t + step;
       const std::vector<ContactPair> multipliers = pairs.pairs();
@@ -628,6 +629,7 @@ struct ContactWalk::Work {
       stop = solve(next, passing);
       if (stop == Stop::kNone) {
         ++now.steps;
+        is_rough = passing && (with_obstacle() || between_bodies());
         if (halvings > 0) --halvings;
         step *= 2.0;
         continue;

@@ -7,7 +7,8 @@
 ///     g_i(u) >= 0,   f_i >= 0,   g_i f_i = 0                  at every contact point
 ///
 /// Points whose nodes are all held are none of these: no force would move them out of an obstacle,
-/// which passes through them (ContactState::held_entry).
+/// which passes through them (ContactState::held_entry). Where nodes are held only along the
+/// obstacle's normal, as on rollers, no solution is found.
 ///
 ///   N  nodes      u  displacement, (3 x N) m      t  time of the obstacle's motion
 ///
@@ -75,6 +76,9 @@ struct ContactSettings {
   int max_cg_iterations = 400;  ///< in one Newton step
 };
 
+/// m, see ContactState::held_entry. A smaller one is a graze.
+inline constexpr double kHeldMatters = 1e-5;
+
 /// One state of the body in equilibrium with the obstacle.
 struct ContactState {
   Eigen::Matrix3Xd displacement;  ///< (3 x N) m
@@ -90,7 +94,9 @@ struct ContactState {
   /// Largest penetration between the contact points, m, >= 0, on a grid four times as fine as
   /// theirs.
   double entry_between = 0;
-  /// Largest penetration of skin whose nodes are all held, m, >= 0.
+  /// Largest penetration of skin whose nodes are all held, m, >= 0. Above kHeldMatters the state
+  /// says little: how the body gives way beside that skin depends on how deep the obstacle is in
+  /// it.
   double held_entry = 0;
   double smallest_force = 0;   ///< N, along the normal, of all pairs that are near: >= 0
   double complementarity = 0;  ///< largest |g f| over (size * the sum of all f)
@@ -142,7 +148,8 @@ class ContactWalk {
 
   /// As advance(), to a state that is only passed on the way to one that is wanted. With friction,
   /// where the way matters, its residual may be 1000 times as large, its penetration 10 times; the
-  /// states behind it change far less than by half the step. Without friction it is advance().
+  /// states behind it change far less than by half the step. advance() to the same t solves it to
+  /// the end. Without friction it is advance().
   bool pass(double t);
 
   /// Changes ContactSettings::friction from the present state on: an obstacle that pressed without

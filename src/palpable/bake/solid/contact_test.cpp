@@ -224,6 +224,12 @@ TEST_CASE("states that are only passed lead to the same state as exact ones",
   REQUIRE(shorter.advance(0.012));
   check_conditions(rough);
   CHECK(rough_steps < exact_steps);
+  ContactWalk again(solver, drag, -1e-3, {.friction = 0.3});
+  REQUIRE(again.pass(0.004));
+  const Matrix3Xd passed = again.now().displacement;
+  REQUIRE(again.advance(0.004));
+  check_conditions(again);
+  CHECK(again.now().displacement != passed);
   const Matrix3Xd& u = exact.now().displacement;
   const double by_passing = (rough.now().displacement - u).norm() / u.norm();
   const double by_step = (shorter.now().displacement - u).norm() / u.norm();

@@ -95,7 +95,8 @@ class FullWalks {
   [[nodiscard]] std::string advance(double from, double to) {
     if (!advance_in(*walk_, from, to, steps_)) return walk_->why_stopped();
     // Nothing yields there, and no live touch counts as an answer.
-    if (walk_->now().held_entry > 0) return "the obstacle presses skin that the support holds";
+    if (walk_->now().held_entry > kHeldMatters)
+      return "the obstacle presses skin that the support holds";
     if (finer_ && !advance_in(*finer_, from, to, 2 * steps_)) {
       return "with half the steps " + finer_->why_stopped();
     }

@@ -11,11 +11,26 @@ namespace palpable {
 
 using Eigen::Matrix3Xd;
 
+namespace {
+
+double longest_edge(const SurfaceMesh& surface) {
+  double longest = 0.0;
+  for (int t = 0; t < surface.triangle_count(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = surface.triangles(k, t), b = surface.triangles((k + 1) % 3, t);
+      longest = std::max(longest, (surface.vertices.col(a) - surface.vertices.col(b)).norm());
+    }
+  }
+  return longest;
+}
+
+}  // namespace
+
 FrameSteps::FrameSteps(const ClipHands& hands, const TetMesh& mesh)
     : hands_(&hands),
       mesh_(&mesh),
       boundary_(boundary_of(mesh)),
-      edge_(mean_edge_length(boundary_.surface)) {}
+      edge_(longest_edge(boundary_.surface)) {}
 
 int FrameSteps::count(int frame, const Matrix3Xd& displacement, double longest, int shorter) const {
   const double way = way_in_frame(frame, displacement);
@@ -24,8 +39,8 @@ int FrameSteps::count(int frame, const Matrix3Xd& displacement, double longest, 
 }
 
 // m, the largest movement of a capsule's end from the frame before, of the capsules that may touch
-// the body on the way: those that end no farther from a vertex of the skin than they move and an
-// edge is long, together.
+// the body on the way: those that end no farther from a vertex of the skin than they move and its
+// longest edge is long, together: within a triangle they are nearer to a corner than that.
 double FrameSteps::way_in_frame(int frame, const Matrix3Xd& displacement) const {
   if (frame == 0) return 0.0;
   const Matrix3Xd skin = (mesh_->nodes + displacement)(Eigen::all, boundary_.node_of_vertex);

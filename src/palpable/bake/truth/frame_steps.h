@@ -32,7 +32,7 @@ class FrameSteps {
   const ClipHands* hands_;
   const TetMesh* mesh_;
   Boundary boundary_;
-  double edge_;  // m, mean of the skin's edges
+  double edge_;  // m, the longest of the skin
 };
 
 }  // namespace palpable

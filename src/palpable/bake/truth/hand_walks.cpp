@@ -17,9 +17,7 @@ namespace palpable {
 using Eigen::Matrix3Xd;
 
 std::string why_not_scored(double path_change, bool began_before, double held_entry) {
-  // No force would keep the hand out of it, and how the body gives way beside it depends on how
-  // deep the hand is inside.
-  if (held_entry > 0.0) return "presses skin that the support holds";
+  if (held_entry > kHeldMatters) return "presses skin that the support holds";
   // What friction held before the clip began is not known.
   if (began_before) return "touched from the first frame on: what friction holds is not known";
   if (path_change <= kPathMatters) return {};
@@ -63,6 +61,7 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
     ContactWalk walk(solver, way, std::max(0, episode.first - 1), settings.contact,
                      settings.preloaded);
     Walked walked;
+    double held_entry = 0.0;
     for (int frame = episode.first; frame <= episode.wanted.back(); ++frame) {
       const int steps =
           rubs ? frame_steps.count(frame, walk.now().displacement, kFrictionStep, shorter)
@@ -79,11 +78,12 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
         const std::lock_guard lock(mutex);
         report(progress, {"following the hand", ++done, std::max(1.0, to_do), ""});
       }
-      if (!is_wanted) continue;
       const ContactState& now = walk.now();
+      // Friction carries on what was dragged there.
+      held_entry = std::max(rubs ? held_entry : 0.0, now.held_entry);
+      if (!is_wanted) continue;
       WalkedFrame& solution = walked.frames[frame];
-      solution = {now.displacement, now.force, now.centre, now.entry_between,
-                  now.held_entry,   {},        {}};
+      solution = {now.displacement, now.force, now.centre, now.entry_between, held_entry, {}, {}};
       if (!settings.contact.mutual) continue;
       solution.hand_forces = walk.nodal_forces();
       solution.other_forces = walk.mutual_nodal_forces();

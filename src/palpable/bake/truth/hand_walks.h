@@ -44,8 +44,8 @@ struct WalkedFrame {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< N, of the hand
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< m, its centre
   double entry = 0;                                  ///< m, see ContactState::entry_between
-  double held_entry = 0;                             ///< m, see ContactState
-  Eigen::Matrix3Xd hand_forces, other_forces;        ///< (3 x N) N; with ContactSettings::mutual
+  double held_entry = 0;  ///< m, see ContactState; with friction the largest since the walk began
+  Eigen::Matrix3Xd hand_forces, other_forces;  ///< (3 x N) N; with ContactSettings::mutual
 };
 
 /// The solutions of one walk by frame; frames that it did not reach are missing.

@@ -751,8 +751,13 @@ double ContactFrame::depth_before() const {
   float depth = 0;
   for (const Contact& c : search_.contacts()) {
     if (c.by >= 0) continue;
-    const GapBeside beside = gap_beside(c.normal, c.curvature, c.ahead);
-    depth = std::max(depth, -c.distance - beside.farther);
+    const float beside = -c.distance - gap_beside(c.normal, c.curvature, c.ahead).farther;
+    if (beside <= depth) continue;
+    // A way may be far longer than the surface is near its tangent plane. At the other end of it
+    // another thing may be nearest.
+    const ContactPart& one = part(c.body);
+    const SurfaceGap there = gap_at(*one.obstacles, one.body->shape_at(c.point) + c.ahead);
+    depth = std::max(depth, std::min(beside, -there.distance));
   }
   return static_cast<double>(depth);
 }
