@@ -207,6 +207,7 @@ struct ContactWalk::Work {
   // Whether there is friction with the obstacle, and between components.
   [[nodiscard]] bool with_obstacle() const { return settings.friction > 0.0; }
   [[nodiscard]] bool between_bodies() const { return mutual && settings.mutual_friction > 0.0; }
+  [[nodiscard]] bool rubs() const { return with_obstacle() || between_bodies(); }
 
   // Returns the Lagrangian at u, J, and writes the residual to r. Infinite if an element is
   // inverted.
@@ -352,8 +353,8 @@ struct ContactWalk::Work {
   }
 
   // Finds equilibrium with the obstacle at time t; on success it becomes `now`.
-  // @param passing  the state is not wanted, only what friction holds in it
-  Stop solve(double t, bool passing) {
+  // @param roughly  within kPassingTolerance and kPassingEntry
+  Stop solve(double t, bool roughly) {
     const ObstacleGaps gaps(motion(t));
     if (!checked_begin) {
       positions = core.model.mesh.nodes + now.displacement;
@@ -378,11 +379,10 @@ struct ContactWalk::Work {
     if (mutual) mutual->use(mutual->detect(positions));
     BodyState state;
     if (with_obstacle()) predict(gaps, u);
-    const bool rubs = with_obstacle() || between_bodies(), roughly = rubs && passing;
     const double least_tolerance = settings.tolerance * (roughly ? kPassingTolerance : 1.0);
     const double most_entry = largest_entry() * (roughly ? kPassingEntry : 1.0);
     double tolerance = std::max(kFirstTolerance, settings.tolerance);
-    const int most = settings.max_updates * (rubs ? kUpdatesWithFriction : 1);
+    const int most = settings.max_updates * (rubs() ? kUpdatesWithFriction : 1);
     for (int update = 0; update < most; ++update) {
       const Stop failed = minimise(gaps, tolerance, u, state, settings.max_newton_steps);
       if (failed != Stop::kNone) return failed;
@@ -616,20 +616,21 @@ struct ContactWalk::Work {
     return corners;
   }
 
-  bool advance(double t, bool passing) {
+  // @param roughly  as for solve()
+  bool advance(double t, bool roughly) {
     updates = newton_steps = cg_iterations = factors = 0;
     now.steps = 0;
     double step = t - now.t;
     int halvings = 0;
-    while (now.t != t || (is_rough && !passing)) {
+    while (now.t != t || (is_rough && !roughly)) {
       const double left = t - now.t;
       const double next = std::abs(step) >= std::abs(left) ? t : now.t + step;
       const std::vector<ContactPair> multipliers = pairs.pairs();
       const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
-      stop = solve(next, passing);
+      stop = solve(next, roughly);
       if (stop == Stop::kNone) {
         ++now.steps;
-        is_rough = passing && (with_obstacle() || between_bodies());
+        is_rough = roughly;
         if (halvings > 0) --halvings;
         step *= 2.0;
         continue;
@@ -669,7 +670,7 @@ struct ContactWalk::Work {
           return "the obstacle lies inside the body where its way begins, or a body in another";
         }
         if (!checked_begin) return "the obstacle lies inside the body where its way begins";
-        reason = now.held_entry > 0.0
+        reason = now.held_entry > kHeldMatters
                      ? "it would get inside the body through skin that is held"
                      : "it would get inside the body through its skin; go in smaller steps";
         break;
@@ -691,7 +692,7 @@ ContactWalk::ContactWalk(ContactWalk&&) noexcept = default;
 ContactWalk& ContactWalk::operator=(ContactWalk&&) noexcept = default;
 
 bool ContactWalk::advance(double t) { return work_->advance(t, false); }
-bool ContactWalk::pass(double t) { return work_->advance(t, true); }
+bool ContactWalk::pass(double t) { return work_->advance(t, work_->rubs()); }
 
 void ContactWalk::set_friction(double coefficient) {
   work_->settings.friction = coefficient;

@@ -109,7 +109,8 @@ TEST_CASE("a part keeps its points where as many others come as go", "[solid][co
   BallOnBeam body;
   Obstacle before = BallOnBeam::at(0.002), after = before;
   before.half_spaces.push_back({{0, 0, 1}, {0, 0, -1}});
-  // A ball comes and the half space goes: the ball that presses is part 1 of two as well.
+  // Another ball appears before it in the list, and the half space is gone. There are two parts as
+  // before, but the ball that presses has the number 1 now, which was that of the half space.
   after.capsules.insert(after.capsules.begin(), ball({0.2, 0.05, 0.9}, 0.3));
   body.step(before, before);
   body.step(before, after);

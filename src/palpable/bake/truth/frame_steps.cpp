@@ -39,8 +39,8 @@ int FrameSteps::count(int frame, const Matrix3Xd& displacement, double longest, 
 }
 
 // m, the largest movement of a capsule's end from the frame before, of the capsules that may touch
-// the body on the way: those that end no farther from a vertex of the skin than they move and its
-// longest edge is long, together: within a triangle they are nearer to a corner than that.
+// the body on the way. Such a capsule ends no farther from some vertex of the skin than it moves
+// plus the longest edge, for no point of a triangle is farther from a corner than that edge.
 double FrameSteps::way_in_frame(int frame, const Matrix3Xd& displacement) const {
   if (frame == 0) return 0.0;
   const Matrix3Xd skin = (mesh_->nodes + displacement)(Eigen::all, boundary_.node_of_vertex);

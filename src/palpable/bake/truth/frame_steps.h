@@ -18,10 +18,11 @@ class FrameSteps {
   /// Both must outlive this object.
   FrameSteps(const ClipHands& hands, const TetMesh& mesh);
 
-  /// The number of steps from the frame before to this one, >= 1: those of `longest`, each divided
-  /// by `shorter`. Where nothing moves, it is 1.
-  /// @param displacement  (3 x N) m, at the frame before
-  /// @param longest       m
+  /// The number of steps from the frame before to this one, >= 1. It is 1 where nothing moves that
+  /// may touch the body.
+  /// @param displacement  (3 x N) m, of the nodes at the frame before
+  /// @param longest       m, how far a capsule may move in a step of the first walk
+  /// @param shorter       number of steps into which each step of the first walk is divided
   [[nodiscard]] int count(int frame, const Eigen::Matrix3Xd& displacement, double longest,
                           int shorter) const;
 

@@ -37,7 +37,7 @@ TEST_CASE("only what may touch the skin divides a frame into steps", "[truth]") 
   // What passes by in reach of the skin, and what does not.
   CHECK(steps({at(0.05, 0.118)}, {at(0.0525, 0.118)}, 1) == 3);
   CHECK(steps({at(0.05, 0.135)}, {at(0.0525, 0.135)}, 1) == 1);
-  // Where one has gone, the other keeps its place in the list no longer, but has not moved.
+  // Where the first capsule of the list has gone, the second has its number, but has not moved.
   CHECK(steps({far, touching}, {touching}, 2) == 1);
   CHECK(steps({far, touching}, {at(0.0525, 0.108)}, 1) == 3);
   CHECK(steps({}, {touching}, 2) == 1);
