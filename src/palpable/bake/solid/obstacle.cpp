@@ -33,6 +33,32 @@ Obstacle moved(Obstacle obstacle, const Rigid3& target_from_source) {
   return obstacle;
 }
 
+Obstacle between(const Obstacle& from, const Obstacle& to, double t) {
+  PALPABLE_EXPECT(has_same_parts(from, to), "an obstacle on its way has the same parts");
+  const auto mix = [t](const Vector3d& one, const Vector3d& other) -> Vector3d {
+    return (1 - t) * one + t * other;
+  };
+  Obstacle now = to;
+  for (std::size_t k = 0; k < to.capsules.size(); ++k) {
+    now.capsules[k] = between(from.capsules[k], to.capsules[k], t);
+  }
+  for (std::size_t k = 0; k < to.half_spaces.size(); ++k) {
+    const HalfSpace &one = from.half_spaces[k], &other = to.half_spaces[k];
+    const auto turn = Eigen::Quaterniond::FromTwoVectors(one.normal, other.normal);
+    now.half_spaces[k] = {mix(one.point, other.point),
+                          Eigen::Quaterniond::Identity().slerp(t, turn) * one.normal};
+  }
+  for (std::size_t k = 0; k < to.surfaces.size(); ++k) {
+    const Rigid3 &one = from.surfaces[k].body_from_shape, &other = to.surfaces[k].body_from_shape;
+    Rigid3& pose = now.surfaces[k].body_from_shape;
+    pose.linear() = Eigen::Quaterniond(one.linear())
+                        .slerp(t, Eigen::Quaterniond(other.linear()))
+                        .toRotationMatrix();
+    pose.translation() = mix(one.translation(), other.translation());
+  }
+  return now;
+}
+
 PartKind part_kind(const Obstacle& obstacle, int part) {
   const auto capsules = static_cast<int>(obstacle.capsules.size());
   if (part < capsules) return PartKind::kCapsule;

@@ -187,6 +187,20 @@ std::optional<Eigen::Vector3f> ExactObstacles::way_of(const MaterialPoint& now) 
   return Eigen::Vector3f(way.cast<float>());
 }
 
+struct ExactObstacles::OnTheWay {
+  ObstacleGaps gaps;
+  ExactObstacles obstacles;
+  OnTheWay(const Obstacle& before, const Obstacle& now, double done)
+      : gaps(between(before, now, done)), obstacles(gaps, &before) {}
+};
+
+const Obstacles* ExactObstacles::on_the_way(float done) const {
+  if (before_ == nullptr) return nullptr;
+  on_the_way_ =
+      std::make_shared<const OnTheWay>(*before_, gaps_->obstacle(), static_cast<double>(done));
+  return &on_the_way_->obstacles;
+}
+
 bool ExactObstacles::may_be_within(const Eigen::Vector3f& place, float reach) const {
   if (is_boxed_ && !(all_.squaredExteriorDistance(place) < reach * reach)) return false;
   for (int p = 0; p < gaps_->part_count(); ++p) {

@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -62,6 +63,7 @@ class ExactObstacles : public Obstacles {
   }
   [[nodiscard]] std::optional<MaterialPoint> carried(const MaterialPoint& before) const override;
   [[nodiscard]] std::optional<Eigen::Vector3f> way_of(const MaterialPoint& now) const override;
+  [[nodiscard]] const Obstacles* on_the_way(float done) const override;
 
  private:
   const ObstacleGaps* gaps_;
@@ -69,6 +71,8 @@ class ExactObstacles : public Obstacles {
   std::vector<Eigen::AlignedBox3f> boxes_;  // of the capsules, which are its first parts
   bool is_boxed_;                           // every part has a box
   Eigen::AlignedBox3f all_;
+  struct OnTheWay;
+  mutable std::shared_ptr<const OnTheWay> on_the_way_;  // the last one
 };
 
 /// How the full-order solution is computed, and how often the tables adopt it.

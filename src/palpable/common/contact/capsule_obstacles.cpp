@@ -50,6 +50,12 @@ void CapsuleObstacles::set(std::span<const Capsule> capsules, std::span<const in
 
 void CapsuleObstacles::set_friction(std::span<const float> friction,
                                     std::span<const Capsule> before, std::span<const int> now) {
+  set_motion(friction, before, now);
+  make_room_on_the_way();
+}
+
+void CapsuleObstacles::set_motion(std::span<const float> friction, std::span<const Capsule> before,
+                                  std::span<const int> now) {
   PALPABLE_EXPECT(friction.size() == fields_.size() && before.size() == now.size(),
                   "a friction for each capsule, a successor for each of before");
   friction_.assign(friction.begin(), friction.end());
@@ -61,6 +67,38 @@ void CapsuleObstacles::set_friction(std::span<const float> friction,
   for (std::size_t k = 0; k < now_of_.size(); ++k) {
     if (now_of_[k] >= 0) before_of_[static_cast<std::size_t>(now_of_[k])] = static_cast<int>(k);
   }
+}
+
+// Reserves what on_the_way() needs, so that a frame that is divided allocates nothing.
+void CapsuleObstacles::make_room_on_the_way() {
+  if (!on_the_way_) on_the_way_ = std::make_unique<CapsuleObstacles>();
+  CapsuleObstacles& other = *on_the_way_;
+  between_.reserve(capsules_.capacity());
+  other.fields_.reserve(fields_.capacity());
+  other.things_.reserve(things_.capacity());
+  other.parts_.reserve(parts_.capacity());
+  other.boxes_.reserve(boxes_.capacity());
+  other.friction_.reserve(friction_.capacity());
+  for (auto* list : {&other.capsules_, &other.before_}) {
+    list->reserve(std::max(capsules_.capacity(), before_.capacity()));
+  }
+  for (auto* list : {&other.now_of_, &other.before_of_}) {
+    list->reserve(std::max(now_of_.capacity(), before_of_.capacity()));
+  }
+}
+
+const Obstacles* CapsuleObstacles::on_the_way(float done) const {
+  if (friction_.empty() || !on_the_way_) return nullptr;
+  between_.clear();
+  for (std::size_t k = 0; k < capsules_.size(); ++k) {
+    const int before = before_of_[k];
+    between_.push_back(before < 0 ? capsules_[k]
+                                  : between(before_[static_cast<std::size_t>(before)], capsules_[k],
+                                            static_cast<double>(done)));
+  }
+  on_the_way_->set(between_, things_);
+  on_the_way_->set_motion(friction_, before_, now_of_);
+  return on_the_way_.get();
 }
 
 float CapsuleObstacles::largest_friction(float of_body) const {

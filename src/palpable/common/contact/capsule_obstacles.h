@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -41,9 +42,13 @@ class CapsuleObstacles : public Obstacles {
   [[nodiscard]] float largest_friction(float of_body) const override;
   [[nodiscard]] std::optional<MaterialPoint> carried(const MaterialPoint& before) const override;
   [[nodiscard]] std::optional<Eigen::Vector3f> way_of(const MaterialPoint& now) const override;
+  [[nodiscard]] const Obstacles* on_the_way(float done) const override;
 
  private:
   [[nodiscard]] SurfaceGap gap_of(const Eigen::Vector3f& place) const;
+  void set_motion(std::span<const float> friction, std::span<const Capsule> before,
+                  std::span<const int> now);
+  void make_room_on_the_way();
 
   std::vector<CapsuleField> fields_;
   std::vector<int> things_;       // of the capsules, or empty
@@ -55,6 +60,9 @@ class CapsuleObstacles : public Obstacles {
   std::vector<Capsule> capsules_;        // the capsules, and
   std::vector<Capsule> before_;          // those of the frame before;
   std::vector<int> now_of_, before_of_;  // of each of the latter, and of the former; -1: none
+  // Of on_the_way(): the capsules, and obstacles made of them, which have no such themselves.
+  mutable std::vector<Capsule> between_;
+  std::unique_ptr<CapsuleObstacles> on_the_way_;
 };
 
 }  // namespace palpable

@@ -44,6 +44,7 @@ constexpr double kTouches = 0.1;
 // be anchored instead. A finger that moves by 1 mm needs one step.
 constexpr float kTurnInStep = 0.35f;
 constexpr int kMostRubbingSteps = 3;
+constexpr float kSharpest = 0.001f;  // m, the smallest radius that is looked after here
 
 // m, gap of a contact in a load step, in which obstacles stand back by `shift`, m.
 float gap_in_step(const Contact& c, double shift) {
@@ -76,6 +77,7 @@ ContactFrame::ContactFrame(std::span<ContactPart> parts, int most)
       most_(static_cast<std::size_t>(most)),
       search_(parts, most),
       problem_(most),
+      given_(parts.size()),
       bodies_(parts.size()) {
   for (std::size_t k = 0; k < parts.size(); ++k) {
     ContactPart& part = parts[k];
@@ -116,6 +118,7 @@ void ContactFrame::begin(std::span<const int> members, std::span<const SkinPair>
     limits_.damped &= one.damped;
     limits_.narrows |= one.narrows;
   }
+  for (const int k : members) given_[static_cast<std::size_t>(k)] = part(k).obstacles;
   search_.begin(members, pairs, limits_);
   rubs_ = may_rub();
   if (rubs_) {
@@ -133,10 +136,10 @@ void ContactFrame::find_places() {
 
 // --- iterations
 
-// The force of the state at a contact; null: none.
-const PointForce* ContactFrame::force_before(const Contact& c) const {
-  const std::vector<PointForce>& forces = part(c.body).body->forces();
-  const PointForce wanted{c.point, {}, c.by};
+// The force of the state at a contact point of a part; null: none.
+const PointForce* ContactFrame::force_at(const ContactPart& one, int point, int by) {
+  const std::vector<PointForce>& forces = one.body->forces();
+  const PointForce wanted{point, {}, by};
   const auto at = std::lower_bound(forces.begin(), forces.end(), wanted, stands_before);
   return at == forces.end() || stands_before(wanted, *at) ? nullptr : &*at;
 }
@@ -150,7 +153,7 @@ void ContactFrame::take_up(double shift, bool goes_on) {
   }
   for (Contact& c : search_.contacts()) {
     ContactPart& one = part(c.body);
-    const PointForce* at = force_before(c);
+    const PointForce* at = force_at(one, c.point, c.by);
     if (!goes_on && at != nullptr) {
       c.force = at->force;
       c.friction = at->friction;
@@ -160,8 +163,7 @@ void ContactFrame::take_up(double shift, bool goes_on) {
       c.force = c.friction = Vector3f::Zero();
       c.pressing = 0;
     }
-    const float distance = c.distance + c.normal.dot(c.ahead);
-    const float entry = std::max(0.0f, -distance - static_cast<float>(c.by < 0 ? shift : 0.0));
+    const float entry = std::max(0.0f, -gap_in_step(c, shift));
     c.place = one.places++;
     one.loads[c.place] = {c.force, entry};
     if (c.by < 0) continue;
@@ -427,11 +429,11 @@ ContactFriction ContactFrame::begun_friction(const Contact& c, double shift) {
   return rub;
 }
 
-// What the obstacle of a contact has yet to come in this step of its way in the frame.
+// What the obstacle of a contact has yet to come after this step of its way in the frame.
 void ContactFrame::take_way_to_come(const Contact& c, double shift, ContactFriction& rub) const {
-  rub.to_come = left_ * rub.anchor.way;
+  rub.to_come = (1 - done_) * rub.anchor.way;
   const float along = std::max(0.0f, rub.anchor.way.dot(c.normal));
-  rub.is_farther_back = static_cast<float>(shift) > (1 - left_) * along;
+  rub.is_farther_back = static_cast<float>(shift) > done_ * along;
 }
 
 // Takes over the anchor of the state.
@@ -465,8 +467,8 @@ void ContactFrame::prepare_friction(double shift) {
 }
 
 // The motion in this step of what a contact presses. Where it is not known, it counts as one along
-// the normal, by as much as is inside when the frame begins. Another body counts as standing,
-// because its contacts are measured from it.
+// the normal, by as much as the shift became smaller. Another body counts as standing, because its
+// contacts are measured from it.
 ContactFrame::Came ContactFrame::find_way(const Contact& c, double shift,
                                           ContactFriction& rub) const {
   Came came;
@@ -474,12 +476,12 @@ ContactFrame::Came ContactFrame::find_way(const Contact& c, double shift,
   rub.anchor.part = c.part;
   const auto way = part(c.body).obstacles->way_of({c.part, place_now(c)});
   if (!way) {
-    came.along = (left_before_ - left_) * static_cast<float>(depth_);
+    came.along = static_cast<float>(shift_before_ - shift);
     return came;
   }
-  rub.anchor.way = *way;
+  rub.anchor.way = *way / done_;  // obstacles of this step have come so far
   take_way_to_come(c, shift, rub);
-  came.way = (left_before_ - left_) * *way;
+  came.way = (done_ - done_before_) * rub.anchor.way;
   came.along = came.way.dot(c.normal);
   return came;
 }
@@ -556,9 +558,10 @@ void ContactFrame::keep_anchor(const Contact& c, bool last) {
 }
 
 // Hands the anchors to the states. A shift moves all obstacles back, those too that stand still:
-// points that lose contact in one of them keep their anchors until the last step, and points that
-// press an obstacle that is farther back than when the frame began keep them as they were.
-void ContactFrame::keep_anchors(bool last) {
+// points that lose contact by it keep their anchors until the last step, and points that press an
+// obstacle that is farther back than when the frame began keep them as they were.
+void ContactFrame::keep_anchors(bool last, double shift) {
+  const bool is_final = last || !(shift > 0);
   for (const int k : members_) {
     for (PointAnchor& anchor : part(k).body->anchors()) anchor.presses = false;
   }
@@ -570,7 +573,7 @@ void ContactFrame::keep_anchors(bool last) {
   }
   for (const int k : members_) {
     std::vector<PointAnchor>& anchors = part(k).body->anchors();
-    if (last) std::erase_if(anchors, [](const PointAnchor& anchor) { return !anchor.presses; });
+    if (is_final) std::erase_if(anchors, [](const PointAnchor& anchor) { return !anchor.presses; });
     std::sort(anchors.begin(), anchors.end(), anchored_before);
   }
 }
@@ -602,7 +605,7 @@ void ContactFrame::run_last_step(double shift, int most) {
 }
 
 // Hands forces and displacements to the states of the bodies.
-void ContactFrame::end_step(bool last) {
+void ContactFrame::end_step(double shift, bool last) {
   // Contacts that entered last and were not solved have no place.
   std::erase_if(search_.contacts(), [](const Contact& c) { return c.place == Contact::kNoPlace; });
   if (last) search_.find_gaps(0);
@@ -617,7 +620,7 @@ void ContactFrame::end_step(bool last) {
     if (c.by < 0 || c.pressing > 0) deepest = std::max(deepest, depth);
     if (c.pressing > 0) part(c.body).body->forces().push_back({c.point, c.force, c.by, c.friction});
   }
-  if (rubs_) keep_anchors(last);
+  if (rubs_) keep_anchors(last, shift);
   for (const int k : members_) {
     std::vector<PointForce>& forces = part(k).body->forces();
     std::sort(forces.begin(), forces.end(), stands_before);
@@ -711,60 +714,60 @@ void ContactFrame::judge() {
 
 // --- a frame
 
-// The steps that friction needs: obstacles that press now do not turn normals by more than
-// kTurnInStep in any of them. @pre contacts were searched
+// The steps that friction needs: obstacles that press when the frame begins do not turn normals by
+// more than kTurnInStep in any of them.
 int ContactFrame::rubbing_steps() const {
   float largest = 0;
-  for (const Contact& c : search_.contacts()) {
-    const std::vector<PointAnchor>& anchors = part(c.body).body->anchors();
-    const int number = c.by < 0 ? number_of_anchor(anchors, c.point, c.by) : -1;
-    const PointForce* at = force_before(c);
-    if (number < 0 || at == nullptr) continue;
-    const Vector3f normal = (at->force - at->friction).normalized();
-    const Vector3f& way = anchors[static_cast<std::size_t>(number)].way;
-    // The obstacle may be beside the point now: of its surface, not of the distance there.
-    const float bend = largest_curvature(c.curvature);
-    const float of_surface = bend / (1 - bend * std::max(0.0f, c.distance));
-    largest = std::max(largest, of_surface * (way - way.dot(normal) * normal).norm());
+  for (const int k : members_) {
+    for (const PointAnchor& anchor : part(k).body->anchors()) {
+      if (anchor.by >= 0 || anchor.way.norm() < kTurnInStep * kSharpest) continue;
+      const PointForce* at = force_at(part(k), anchor.point, anchor.by);
+      if (at == nullptr) continue;
+      const Vector3f normal = (at->force - at->friction).normalized();
+      const Vector3f aside = anchor.way - anchor.way.dot(normal) * normal;
+      const SurfaceGap gap = gap_at(*part(k).obstacles, anchor.place);
+      if (gap.is_known()) {
+        largest = std::max(largest, largest_curvature(gap.curvature) * aside.norm());
+      }
+    }
   }
   const float steps = std::ceil(largest / kTurnInStep);
   return static_cast<int>(std::clamp(steps, 1.0f, static_cast<float>(kMostRubbingSteps)));
 }
 
-// m, the way of a contact's obstacle in the frame; along the normal by as much as is inside where
-// that is not known.
-Vector3f ContactFrame::way_of_obstacle(const Contact& c) const {
-  const ContactPart& one = part(c.body);
-  const auto way = one.obstacles->way_of({c.part, one.body->shape_at(c.point)});
-  return way ? *way : Vector3f(std::max(0.0f, -c.distance) * c.normal);
-}
-
-// Moves obstacles back to where they were when the frame began.
-void ContactFrame::move_obstacles_to_begin() {
-  for (Contact& c : search_.contacts()) {
-    if (c.by < 0) c.ahead = way_of_obstacle(c);
+// Moves obstacles to where they were after a share of their ways, as far as these are known.
+void ContactFrame::move_obstacles(float done) {
+  for (const int k : members_) {
+    const Obstacles* given = given_[static_cast<std::size_t>(k)];
+    if (given == nullptr) continue;
+    const Obstacles* there = done < 1 ? given->on_the_way(done) : nullptr;
+    part(k).obstacles = there != nullptr ? there : given;
   }
+  search_.change_obstacles();
 }
 
-// m, the depth of obstacles where they were when the frame began. @pre move_obstacles_to_begin()
-double ContactFrame::depth_before() const {
-  float depth = 0;
+// m, how much deeper than the forces there hold them obstacles were when the frame began. Of a
+// state that was solved it is 0, as contacts are soft. @pre contacts were searched
+double ContactFrame::unsolved_before() {
+  move_obstacles(0);
+  float deepest = 0;
   for (const Contact& c : search_.contacts()) {
     if (c.by >= 0) continue;
-    const float beside = -c.distance - gap_beside(c.normal, c.curvature, c.ahead).farther;
-    if (beside <= depth) continue;
-    // A way may be far longer than the surface is near its tangent plane. At the other end of it
-    // another thing may be nearest.
     const ContactPart& one = part(c.body);
-    const SurfaceGap there = gap_at(*one.obstacles, one.body->shape_at(c.point) + c.ahead);
-    depth = std::max(depth, std::min(beside, -there.distance));
+    const SurfaceGap gap = gap_at(*one.obstacles, one.body->shape_at(c.point));
+    if (!(gap.distance < -deepest)) continue;
+    const PointForce* at = force_at(one, c.point, c.by);
+    const float pressing = at != nullptr ? std::max(0.0f, at->force.dot(gap.normal)) : 0.0f;
+    const auto compliance =
+        static_cast<float>(one.body->skin_compliance(c.area, gap.softness, false));
+    deepest = std::max(deepest, -gap.distance - compliance * pressing);
   }
-  return static_cast<double>(depth);
+  return deepest > static_cast<float>(kReached) ? static_cast<double>(deepest) : 0.0;
 }
 
 // How a frame is divided into steps. Obstacles are moved back so that a skin enters them by no more
 // than one step: along the normals, by a shift. With friction they come on their own ways, and a
-// shift moves them back only by what was inside before the frame.
+// shift moves them back only by what was not solved before the frame, or is left to later ones.
 ContactFrame::Division ContactFrame::divide(double depth, double largest_move) {
   const auto steps_of = [this](double way) {
     return static_cast<int>(
@@ -776,10 +779,7 @@ ContactFrame::Division ContactFrame::divide(double depth, double largest_move) {
   division.shift_at_begin = depth;
   if (!rubs_) return division;
   division.steps = std::max(division.steps, rubbing_steps());
-  if (division.steps > 1) {
-    move_obstacles_to_begin();
-    division.shift_at_begin = std::max(division.shift_at_end, depth_before());
-  }
+  if (division.steps > 1) division.shift_at_begin = unsolved_before();
   return division;
 }
 
@@ -788,6 +788,22 @@ double ContactFrame::shift_in(int step, const Division& division) const {
   if (!rubs_) return std::max(0.0, division.shift_at_begin - step * limits_.largest_step);
   const double left = static_cast<double>(division.steps - step) / division.steps;
   return division.shift_at_end + left * (division.shift_at_begin - division.shift_at_end);
+}
+
+// Finds the contacts of a step and gives them places.
+void ContactFrame::find_contacts(int step, int steps, double shift) {
+  const bool last = step == steps;
+  if (rubs_ && steps > 1) {
+    move_obstacles(done_);
+    search_.find(shift);
+  } else if (!last) {
+    search_.choose_remembered(shift);
+  } else if (steps > 1 || shift > 0) {
+    search_.find(shift);
+  }
+  // A point with a force that is no longer near an obstacle is no contact, and loses its force.
+  report_.dropped = 0;
+  find_places();
 }
 
 ContactReport ContactFrame::solve(std::span<const int> members, std::span<const SkinPair> pairs,
@@ -802,35 +818,27 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
   const Division division = divide(depth, largest_move);
   const int steps = division.steps;
   is_entered_ = false;
-  depth_ = depth;
-  left_before_ = 1;
+  done_before_ = 0;
+  shift_before_ = division.shift_at_begin;
   if (steps > 1) search_.remember();
   for (int step = 1; step <= steps; ++step) {
     const double shift = shift_in(step, division);
     const bool last = step == steps;
-    left_ = static_cast<float>(steps - step) / static_cast<float>(steps);
-    if (!last) {
-      search_.choose_remembered(shift);
-    } else if (steps > 1 || shift > 0) {
-      search_.find(shift);
-    }
-    // Remembered contacts have the whole way before them; those just found, nothing.
-    for (Contact& c : search_.contacts()) c.ahead *= left_;
-    // A point with a force that is no longer near an obstacle is no contact, and loses its force.
-    report_.dropped = 0;
-    find_places();
+    done_ = static_cast<float>(step) / static_cast<float>(steps);
+    find_contacts(step, steps, shift);
     if (last) {
       run_last_step(shift, report_.iterations + limits_.last_iterations);
     } else {
       settle(shift, false, false, limits_.iterations);
-      // Contacts are searched anew in the last step.
-      if (step + 1 == steps) {
+      // Contacts are searched anew in the last step, with friction in each.
+      if (rubs_ || step + 1 == steps) {
         for (const int k : members_) part(k).body->form_shape(false);
       }
     }
     ++report_.steps;
-    end_step(last);
-    left_before_ = left_;
+    end_step(shift, last);
+    done_before_ = done_;
+    shift_before_ = shift;
   }
   end_frame(largest_move);
   judge();

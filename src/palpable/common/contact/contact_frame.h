@@ -104,7 +104,7 @@ class ContactFrame {
   [[nodiscard]] ContactPart& part(int k) const { return parts_[static_cast<std::size_t>(k)]; }
   void begin(std::span<const int> members, std::span<const SkinPair> pairs);
   void find_places();
-  [[nodiscard]] const PointForce* force_before(const Contact& contact) const;
+  [[nodiscard]] static const PointForce* force_at(const ContactPart& one, int point, int by);
   void take_up(double shift, bool goes_on);
   void settle(double shift, bool last, bool goes_on, int most);
   double iterate(double shift, float share);
@@ -139,11 +139,11 @@ class ContactFrame {
   void make_anchors(double shift);
   void follow(const Contact& contact, ContactFriction& rub);
   void keep_anchor(const Contact& contact, bool last);
-  void keep_anchors(bool last);
+  void keep_anchors(bool last, double shift);
   void go_back(float share);
   void fill_place_forces();
   void run_last_step(double shift, int most);
-  void end_step(bool last);
+  void end_step(double shift, bool last);
   void end_frame(double largest_move);
   void judge();
   bool find_parts(const ContactPart& one, float radius);
@@ -156,9 +156,9 @@ class ContactFrame {
   [[nodiscard]] Division divide(double depth, double largest_move);
   [[nodiscard]] double shift_in(int step, const Division& division) const;
   [[nodiscard]] int rubbing_steps() const;
-  [[nodiscard]] Eigen::Vector3f way_of_obstacle(const Contact& contact) const;
-  [[nodiscard]] double depth_before() const;
-  void move_obstacles_to_begin();
+  void move_obstacles(float done);
+  [[nodiscard]] double unsolved_before();
+  void find_contacts(int step, int steps, double shift);
 
   std::span<ContactPart> parts_;
   std::size_t most_;
@@ -176,12 +176,13 @@ class ContactFrame {
   std::vector<std::size_t> of_pressed_;  // and their indices among all contacts
   std::vector<Eigen::Vector3f> forces_before_;
   // With friction.
-  bool rubs_ = false;            // something may rub in this frame
-  bool leaves_out_new_ = false;  // this iteration is without the points that begin to press
-  double depth_ = 0;             // m, of obstacles when the frame began
-  // Share of their ways in the frame that obstacles have yet to come in this step, and in the one
-  // before.
-  float left_ = 0, left_before_ = 1;
+  bool rubs_ = false;                    // something may rub in this frame
+  bool leaves_out_new_ = false;          // this iteration is without the points that begin to press
+  std::vector<const Obstacles*> given_;  // by part: the obstacles of the frame
+  // What obstacles have come of their ways in the frame when this step ends, and when it began; and
+  // the shift (m) then.
+  float done_ = 1, done_before_ = 0;
+  double shift_before_ = 0;
   double change_ = 0;  // m, by the iteration before; infinite in a step's first
   std::vector<ContactFriction> frictions_;         // of the contacts of a step (Contact::rub)
   std::vector<Eigen::Vector3f> frictions_before_;  // as forces_before_

@@ -322,33 +322,135 @@ TEST_CASE("frames with friction give the same bytes, and allocate nothing", "[co
   }
 }
 
-// A frame in which a thing moves aside by its radius is divided into steps. In one step the points
-// under it would lose contact and friction, and others would be anchored instead.
+// --- frames that are divided into steps
+
+// A rod that points down, its tip below the top of the cushion by `depth`, m.
+Capsule rod_at(double x, double depth, double radius) {
+  const Vector3d tip(x, 0, kTop - depth + radius);
+  return {tip, tip + Vector3d(0, 0, 0.04), radius, radius};
+}
+
+// The first cushion after a way of things from one pose to another in so many frames.
+// @param way  the capsules at 0, where the way begins, to 1; from -1 to 0 they come down
+template <class Way>
+Stack walked(double mu, int frames, const Way& way) {
+  Stack stack = cushion(mu);
+  Rubbing things;
+  for (int k = 0; k <= 10; ++k) stack.advance(things.at(way(0.1 * k - 1)));
+  for (int k = 0; k < 3; ++k) stack.advance(things.at(way(0)));
+  for (int k = 1; k <= frames; ++k) stack.advance(things.at(way(1.0 * k / frames)));
+  return stack;
+}
+
+// In one step the points under a thing that moves aside by its radius would lose contact and
+// friction, and others would be anchored instead. A needle that sticks is pressed by one or two
+// points; things that slide are not chaotic.
 TEST_CASE("a thin thing that moves far in a frame holds the skin as in small frames",
           "[contact][friction]") {
-  constexpr double kRadius = 0.0015, kFar = 0.0015;
-  const auto needle_at = [](double x, double depth) {
-    const Vector3d tip(x, 0, kTop - depth + kRadius);
-    return std::vector<Capsule>{{tip, tip + Vector3d(0, 0, 0.04), kRadius, kRadius}};
+  struct Case {
+    double mu, radius, far;
   };
-  const auto drag = [&](int frames) {
-    Stack stack = cushion(2);
-    Rubbing needle;
-    for (double depth = 0; depth < 0.002; depth += 0.00025) {
-      stack.advance(needle.at(needle_at(0, depth)));
-    }
-    for (int k = 1; k <= frames; ++k) {
-      stack.advance(needle.at(needle_at(kFar * k / frames, 0.002)));
-    }
-    return stack;
+  std::vector<Case> cases{{2, 0.0015, 0.0015}};
+  for (const double radius : {0.003, 0.004, 0.006}) {
+    for (const double radii : {1, 2, 3}) cases.push_back({0.3, radius, radii * radius});
+  }
+  for (const auto& [mu, radius, far] : cases) {
+    INFO("mu " << mu << ", radius " << radius << ", way " << far);
+    const auto way = [&, mu = mu, radius = radius, far = far](double t) {
+      const double begin = mu < 1 ? -far / 2 : 0;  // slides across the top
+      return std::vector<Capsule>{
+          rod_at(begin + far * std::max(0.0, t), 0.002 * std::min(1.0, 1 + t), radius)};
+    };
+    const Stack at_once = walked(mu, 1, way), slowly = walked(mu, 12, way);
+    CHECK(at_once.report.steps > 2);
+    CHECK(at_once.report.dissipated >= 0);
+    check_cone(at_once, mu);
+    const Sums fast = sums_of(at_once), slow = sums_of(slowly);
+    REQUIRE(slow.friction.x() > 0.2);
+    const double within = tolerance(0.01, "iterations; 0.6 % at most") * slow.normal;
+    CHECK((fast.friction - slow.friction).norm() < within);
+    CHECK(std::abs(fast.normal - slow.normal) < within);
+  }
+}
+
+TEST_CASE("a thing that turns about its end in a frame rubs as in small frames",
+          "[contact][friction]") {
+  const auto way = [](double t) {
+    const double turned = 0.5 * std::max(0.0, t), depth = 0.002 * std::min(1.0, 1 + t);
+    const Vector3d end(-0.01, 0, kTop - depth + 0.004);
+    const Vector3d axis(std::cos(turned), std::sin(turned), 0);
+    return std::vector<Capsule>{{end, end + 0.02 * axis, 0.004, 0.004}};
   };
-  const Stack at_once = drag(1), slowly = drag(8);
+  const Stack at_once = walked(0.5, 1, way), slowly = walked(0.5, 12, way);
+  CHECK(at_once.report.steps > 1);
+  const Sums fast = sums_of(at_once), slow = sums_of(slowly);
+  REQUIRE(slow.friction.y() > 0.05);
+  // The end of the rod moves aside by more than its radius in each of three steps.
+  CHECK((fast.friction - slow.friction).norm() < tolerance(0.12, "steps; 0.09") * slow.normal);
+  CHECK(std::abs(fast.normal - slow.normal) < tolerance(0.02, "steps; 0.01") * slow.normal);
+}
+
+// In each step a thing is where it is, not where another one's way would put it.
+TEST_CASE("what stands still is left alone by what moves beside it", "[contact][friction]") {
+  constexpr double kRadius = 0.004;
+  const auto both = [](double t) {
+    const double depth = 0.002 * std::min(1.0, 1 + t), moved = 0.008 * std::max(0.0, t);
+    return std::vector<Capsule>{rod_at(0.006, depth, kRadius),
+                                rod_at(-0.010 + moved, depth, kRadius)};
+  };
+  const Stack at_once = walked(0.3, 1, both), slowly = walked(0.3, 12, both);
   CHECK(at_once.report.steps > 2);
-  const Sums one = sums_of(at_once), eight = sums_of(slowly);
-  REQUIRE(eight.friction.x() > 0.5);
-  CHECK(std::abs(one.friction.x() - eight.friction.x()) <
-        tolerance(0.02, "iterations") * eight.friction.x());
-  CHECK(std::abs(one.normal - eight.normal) < tolerance(0.02, "iterations") * eight.normal);
+  const auto of_standing = [&](const Stack& stack) {
+    Sums sums;
+    ContactBody& body = stack.layers.front()->body();
+    for (const PointForce& at : body.forces()) {
+      const int number = number_of_anchor(body.anchors(), at.point, at.by);
+      if (number < 0 || body.anchors()[static_cast<std::size_t>(number)].part != 0) continue;
+      sums.normal += static_cast<double>((at.force - at.friction).norm());
+      sums.friction += at.friction.cast<double>();
+    }
+    return sums;
+  };
+  const Sums fast = of_standing(at_once), slow = of_standing(slowly);
+  REQUIRE(slow.normal > 0.3);
+  const double within = tolerance(0.03, "iterations, and steps") * slow.normal;
+  CHECK(std::abs(fast.normal - slow.normal) < within);
+  CHECK((fast.friction - slow.friction).norm() < within);
+}
+
+TEST_CASE("a finger that comes fast presses as one that comes slowly", "[contact][friction]") {
+  const auto way = [](double t) {
+    return std::vector<Capsule>{pointing_down(0, 0, -0.0005 + 0.0035 * std::max(0.0, t))};
+  };
+  for (const double mu : {0.3, 1.0}) {
+    const Stack at_once = walked(mu, 1, way), slowly = walked(mu, 12, way);
+    CHECK(at_once.report.steps > 2);
+    const Sums fast = sums_of(at_once), slow = sums_of(slowly);
+    REQUIRE(slow.normal > 0.5);
+    const double within = tolerance(0.02, "iterations, and steps") * slow.normal;
+    CHECK(std::abs(fast.normal - slow.normal) < within);
+    CHECK(std::abs(fast.size - slow.size) < tolerance(0.05, "likewise") * slow.normal);
+  }
+}
+
+TEST_CASE("a frame that is divided allocates nothing, and dissipates", "[contact][friction]") {
+  for (const std::vector<Kind>& kinds : {std::vector{kTables}, std::vector{kModes, kTables}}) {
+    Stack stack(kinds, kApart, kLeadingModes, with_friction(0.3));
+    Rubbing rod;
+    const auto at = [&](double x, double depth) -> const CapsuleObstacles& {
+      return rod.at({rod_at(x, depth, 0.004)});
+    };
+    for (int k = 1; k <= 8; ++k) stack.advance(at(0, 0.0005 * k));
+    stack.advance(at(0.0002, 0.004));
+    for (int k = 1; k <= 3; ++k) {
+      INFO(kinds.size() << " bodies, frame " << k);
+      const CapsuleObstacles& there = at(0.0002 + 0.003 * k, 0.004);
+      CHECK(test::allocations_during([&] { stack.advance(there); }) == 0);
+      CHECK(stack.report.steps > 2);
+      CHECK(stack.report.dissipated > 0);
+      CHECK(stack.report.imbalance < tolerance(1e-6, "N: rounding"));
+    }
+  }
 }
 
 TEST_CASE("a point is met where its gap closes", "[contact][friction]") {
@@ -384,8 +486,20 @@ TEST_CASE("a capsule carries its places along, and does not spin", "[contact][fr
   CHECK((*obstacles.way_of(carried) - (carried.place - place.place)).norm() <
         tolerance(1e-8, "m: floats"));
 
+  // On the way, with parts and places as at its end.
+  const Obstacles& halfway = *obstacles.on_the_way(0.5f);
+  const MaterialPoint there = *halfway.carried(place);
+  CHECK(std::abs(gap_at(halfway, there.place).distance -
+                 gap_at(obstacles, carried.place).distance) < tolerance(1e-8, "m: floats"));
+  CHECK((*halfway.way_of(there) - (there.place - place.place)).norm() <
+        tolerance(1e-8, "m: floats"));
+  CHECK((gap_at(*obstacles.on_the_way(1), carried.place).distance) ==
+        Approx(gap_at(obstacles, carried.place).distance).margin(1e-9));
+
   const std::vector<int> gone{-1};
   obstacles.set_friction(friction, {&before, 1}, gone);
+  CHECK(gap_at(*obstacles.on_the_way(0), carried.place).distance ==
+        gap_at(obstacles, carried.place).distance);  // a new one stands
   CHECK_FALSE(obstacles.carried(place));
   CHECK_FALSE(obstacles.way_of(place));
 }

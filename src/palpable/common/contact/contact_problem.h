@@ -62,9 +62,6 @@ struct Contact {
   Eigen::Vector3f anchor = Eigen::Vector3f::Zero();
   float anchor_gap = 0;
   float slid = 0;  ///< m, slip along the other skin since the foot was found
-  /// m, by an obstacle: what that has yet to come in this step of its way in the frame. The gap is
-  /// that of a point so far ahead, to the obstacle where it will be
-  Eigen::Vector3f ahead = Eigen::Vector3f::Zero();
   // Friction.
   float given = 0;           ///< SurfaceGap::friction
   int part = -1;             ///< SurfaceGap::part

@@ -114,7 +114,11 @@ void ContactSearch::begin(std::span<const int> members, std::span<const SkinPair
   members_ = members;
   pairs_ = pairs;
   limits_ = limits;
-  for (const int k : members) {
+  change_obstacles();
+}
+
+void ContactSearch::change_obstacles() {
+  for (const int k : members_) {
     if (!part(k).body->contact_points().points.empty()) part(k).near.start();
   }
 }
@@ -364,7 +368,7 @@ void ContactSearch::find_gaps_of(int body, double shift) {
     if (c.body != body || c.by >= 0) continue;
     queried_points_.push_back(c.point);
     of_queried_.push_back(k);
-    queried_at_.push_back(one.body->position(c.place) + c.ahead);
+    queried_at_.push_back(one.body->position(c.place));
   }
   if (queried_points_.empty()) return;
   gaps_.resize(queried_points_.size());

@@ -74,6 +74,8 @@ class ContactSearch {
   void find(double shift);
   /// Remembers the contacts, those of the shapes with which the frame began.
   void remember() { found_ = contacts_; }
+  /// The obstacles of the parts are others now.
+  void change_obstacles();
   /// The contacts become those remembered that are near the obstacles at their present step.
   void choose_remembered(double shift);
   /// Adds the points that entered an obstacle by the shapes just formed. False: there are none.

@@ -68,6 +68,7 @@ struct ContactSolver::Work {
 
 ContactSolver::Work::Work(const std::vector<ContactSolver::Member>& all) {
   PALPABLE_EXPECT(!all.empty(), "a solver has a member");
+  parts.reserve(all.size());  // a copy of one would lose the memory that it has reserved
   for (const ContactSolver::Member& one : all) {
     members.emplace_back(one.world_from_body);
     parts.emplace_back(*one.body);

@@ -136,6 +136,13 @@ class Obstacles {
     return static_cast<void>(now), std::nullopt;
   }
 
+  /// The obstacles on their way from the frame before (0) to this one (1), with the same parts:
+  /// what is `done` of it. Parts whose motion is not known stand where they are. They are valid
+  /// until the next call, and until these obstacles are others; null: no motion is known.
+  [[nodiscard]] virtual const Obstacles* on_the_way(float done) const {
+    return static_cast<void>(done), nullptr;
+  }
+
   /// Adds the parts whose radius is below `radius` (m) somewhere and that may be inside `box` (m),
   /// as long as `parts` has capacity. Obstacles without sharp parts, and those that do not know
   /// them, add none.

@@ -28,6 +28,20 @@ std::vector<Capsule> transformed(std::vector<Capsule> capsules, const Rigid3& ta
   return capsules;
 }
 
+Capsule between(const Capsule& from, const Capsule& to, double t) {
+  const auto mix = [t](const auto& one, const auto& other) { return (1 - t) * one + t * other; };
+  const Eigen::Vector3d axis = from.b - from.a, turned = to.b - to.a;
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(axis, turned);
+  const double length = axis.norm();
+  const double share = length > 0 ? mix(length, turned.norm()) / length : 0.0;
+  Capsule now;
+  now.a = mix(from.a, to.a);
+  now.b = now.a + share * (Eigen::Quaterniond::Identity().slerp(t, turn) * axis);
+  now.ra = mix(from.ra, to.ra);
+  now.rb = mix(from.rb, to.rb);
+  return now;
+}
+
 Eigen::AlignedBox3d box_of(const Capsule& capsule) {
   const Eigen::Vector3d r = Eigen::Vector3d::Constant(std::max(capsule.ra, capsule.rb));
   return {capsule.a.cwiseMin(capsule.b) - r, capsule.a.cwiseMax(capsule.b) + r};

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -134,4 +135,31 @@ TEST_CASE("normal and curvature of a capsule's distance are its derivatives", "[
       }
     }
   }
+}
+
+TEST_CASE("a capsule on its way keeps its length and turns on the shortest way", "[geometry]") {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    INFO("seed " << seed);
+    const Capsule from = some_capsule(seed);
+    Capsule to = some_capsule(seed + 100);
+    to.b = to.a + (to.b - to.a).normalized() * (from.b - from.a).norm();
+    const Eigen::Vector3d axis = (from.b - from.a).normalized(),
+                          turned = (to.b - to.a).normalized();
+    const double angle = std::acos(std::clamp(axis.dot(turned), -1.0, 1.0));
+    for (const double t : {0.0, 0.3, 1.0}) {
+      const Capsule now = between(from, to, t);
+      CHECK((now.a - ((1 - t) * from.a + t * to.a)).norm() < tolerance(1e-12, "m: rounding"));
+      CHECK((now.b - now.a).norm() == Approx((from.b - from.a).norm()));
+      const Eigen::Vector3d here = (now.b - now.a).normalized();
+      CHECK(std::acos(std::clamp(here.dot(axis), -1.0, 1.0)) ==
+            Approx(t * angle).margin(tolerance(1e-6, "the arc cosine near 1")));
+      CHECK(std::abs(here.dot(axis.cross(turned))) < tolerance(1e-12, "rounding"));
+      CHECK(now.ra == Approx((1 - t) * from.ra + t * to.ra));
+    }
+  }
+  const Capsule ball{{0, 0, 0}, {0, 0, 0}, 1, 1}, moved{{2, 0, 0}, {2, 0, 0}, 3, 3};
+  const Capsule now = between(ball, moved, 0.5);
+  CHECK(now.a == Eigen::Vector3d(1, 0, 0));
+  CHECK(now.b == now.a);
+  CHECK(now.ra == 2);
 }

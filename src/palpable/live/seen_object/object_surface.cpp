@@ -17,10 +17,6 @@ using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// Distance over which slope and curvature are taken by differences, as a ratio to the ball's
-// radius. Larger steps smooth the dents between balls, and edges as well.
-constexpr float kShapeStep = 0.5f;
-
 // Number of balls, and of points of the cloud, for which memory is reserved at the start. A flat
 // hand near the camera makes 2,500, and their number varies from frame to frame. More are possible.
 constexpr std::size_t kBallRoom = 8192;
@@ -30,16 +26,15 @@ constexpr std::size_t kBallRoom = 8192;
 // is 1.
 constexpr double kSeenMove = 2.0 / 3;
 
-constexpr float kAmid = 1e-6f;  // m: nearer to a ball's centre than this, the normal is undefined
-constexpr float kHalfRoot = 0.70710678f;
-
 }  // namespace
 
 ObjectSurface::ObjectSurface(const ObjectSurfaceSettings& settings)
-    : settings_(settings),
+    : BallUnion(static_cast<float>(settings.band)),
+      settings_(settings),
       silhouette_(settings.silhouette),
       rest_(settings.rest),
-      held_(settings.hold) {
+      held_(settings.hold),
+      on_the_way_(static_cast<float>(settings.band)) {
   PALPABLE_EXPECT(settings.step >= 1, "every pixel is the finest decimation");
   PALPABLE_EXPECT(settings.balls.reach >= 1, "a normal needs neighbours");
   PALPABLE_EXPECT(settings.balls.most_radius > 0 && settings.band > 0 &&
@@ -50,9 +45,8 @@ ObjectSurface::ObjectSurface(const ObjectSurfaceSettings& settings)
                   "noise is not negative");
   cloud_.reserve(kBallRoom);
   found_.reserve(kBallRoom);
-  balls_.reserve(kBallRoom);
-  bare_.reserve(kBallRoom);
-  for (auto* tree : {&tree_, &before_}) tree->reserve(kBallRoom);
+  for (BallUnion* balls : {static_cast<BallUnion*>(this), &on_the_way_}) balls->reserve(kBallRoom);
+  before_.reserve(kBallRoom);
   held_.reserve(kBallRoom);
 }
 
@@ -83,16 +77,8 @@ void ObjectSurface::keep(const ObjectBall& ball) {
 }
 
 void ObjectSurface::finish() {
-  bare_.clear();
-  bounds_.setEmpty();
-  for (const ObjectBall& ball : balls_) {
-    bare_.push_back({ball.centre, ball.radius});
-    const Vector3f radius = Vector3f::Constant(ball.radius);
-    bounds_.extend(Eigen::AlignedBox3f(ball.centre - radius, ball.centre + radius));
-  }
-  find_friction_share();
   if (!tree_.balls().empty()) std::swap(tree_, before_);
-  tree_.build(bare_);
+  arrange();
   find_moved();
 }
 
@@ -266,65 +252,10 @@ void ObjectSurface::set_motion(std::span<const BallMotion> motion) {
   find_friction_share();
 }
 
-void ObjectSurface::find_friction_share() {
-  friction_share_ = 0;
-  for (const ObjectBall& ball : balls_) {
-    friction_share_ = std::max(friction_share_, ball.friction_share);
-  }
-}
-
-NearestOnObject ObjectSurface::on_ball(const Vector3f& x, float distance, int index) const {
-  const ObjectBall& ball = balls_[index];
-  const bool faces_camera = (x - ball.centre).dot(camera_ - ball.centre) > 0.0f;
-  return {distance, index,
-          ball.unseen_for > 0 ? Known::kUnknown
-          : faces_camera      ? Known::kMeasured
-                              : Known::kAssumed};
-}
-
-std::optional<NearestOnObject> ObjectSurface::nearest(const Vector3f& x, float reach) const {
-  const auto found = tree_.nearest(x, reach);
-  if (!found) return std::nullopt;
-  return on_ball(x, found->distance, found->ball);
-}
-
-std::optional<SurfaceShape> ObjectSurface::shape_at(const Vector3f& x) const {
-  const auto found = nearest(x);
-  if (!found) return std::nullopt;
-  const ObjectBall& ball = balls_[found->ball];
-  const Vector3f out = x - ball.centre;
-  const Vector3f n = out.norm() > kAmid ? Vector3f(out.normalized()) : ball.normal;
-  const float h = kShapeStep * ball.radius;
-  const Vector3f t = n.unitOrthogonal(), s = n.cross(t);
-  // Slope and curvature along four directions of the tangent plane, 45 degrees apart, from phi at x
-  // and at +-h. On a sphere of radius R the mean of phi at +-h exceeds phi at x by d with
-  // (R + d)^2 = R^2 + h^2, so that 1/R = 2 d / (h^2 - d^2).
-  const std::array<Vector3f, 4> directions{t, ((t + s) * kHalfRoot).eval(), s,
-                                           ((s - t) * kHalfRoot).eval()};
-  std::array<Vector3f, 8> places;
-  for (std::size_t k = 0; k < 4; ++k) {
-    places[2 * k] = x + h * directions[k];
-    places[2 * k + 1] = x - h * directions[k];
-  }
-  const std::array<float, 8> there = tree_.distances_around(x, n, h, places, found->ball);
-  Vector3f slope = Vector3f::Zero();
-  std::array<float, 4> bend{};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const float ahead = there[2 * k], behind = there[2 * k + 1];
-    slope += (ahead - behind) / (4 * h) * directions[k];
-    const float d = (ahead + behind) / 2 - found->distance;
-    bend[k] = 2 * d / (h * h - d * d);
-  }
-  // A symmetric tensor (a b; b c) has the curvatures a, (a + c)/2 + b, c, (a + c)/2 - b along them.
-  const float mean = (bend[0] + bend[1] + bend[2] + bend[3]) / 4;
-  const float a = mean + (bend[0] - bend[2]) / 2, c = mean - (bend[0] - bend[2]) / 2;
-  const float b = (bend[1] - bend[3]) / 2;
-  const Eigen::Matrix3f K =
-      a * t * t.transpose() + b * (t * s.transpose() + s * t.transpose()) + c * s * s.transpose();
-  const Vector3f normal = (n + slope).normalized();
-  const Eigen::Matrix3f across = Eigen::Matrix3f::Identity() - normal * normal.transpose();
-  return SurfaceShape{found->distance, normal,          across * K * across, ball.sigma,
-                      found->known,    ball.unseen_for, ball.friction_share};
+const Obstacles* ObjectSurface::on_the_way(float done) const {
+  if (!(friction_share() > 0)) return nullptr;
+  on_the_way_.set_on_the_way(*this, done);
+  return &on_the_way_;
 }
 
 std::optional<NearestOnObject> ObjectSurface::nearest_by_brute_force(const Vector3f& x) const {

@@ -20,12 +20,12 @@
 /// `palpable bench surface` compares it with the true shapes of synthetic things.
 #pragma once
 
-#include "palpable/common/contact/pressing_surface.h"
 #include "palpable/common/geometry/camera.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/pixel_box.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/live/seen_object/ball_tree.h"
+#include "palpable/live/seen_object/ball_union.h"
 #include "palpable/live/seen_object/creases.h"
 #include "palpable/live/seen_object/held_balls.h"
 #include "palpable/live/seen_object/medial_balls.h"
@@ -65,7 +65,7 @@ struct ObjectSurfaceSettings {
 
 /// The signed distance. Built anew for each frame; keeps its memory, and has room for 8,192 balls
 /// from the start, so that building allocates nothing after the first frame.
-class ObjectSurface final : public PressingSurface {
+class ObjectSurface final : public BallUnion {
  public:
   /// @throws ContractViolation if a step or reach is below 1, or a length is not positive
   explicit ObjectSurface(const ObjectSurfaceSettings& settings = {});
@@ -94,7 +94,6 @@ class ObjectSurface final : public PressingSurface {
   void build(std::span<const ObjectBall> balls, const Eigen::AlignedBox3d& region_in_body,
              const Eigen::Vector3f& camera_in_body = Eigen::Vector3f::Zero());
 
-  [[nodiscard]] std::span<const ObjectBall> balls() const override { return balls_; }
   /// What friction needs to know of a ball (surface_friction.h): the members of ObjectBall.
   struct BallMotion {
     Eigen::Vector3f way = Eigen::Vector3f::Zero();  ///< m
@@ -106,7 +105,7 @@ class ObjectSurface final : public PressingSurface {
   void set_motion(std::span<const BallMotion> motion);
   /// The last surface before this one that had balls, in the order that balls() had.
   [[nodiscard]] const BallTree& before() const { return before_; }
-  [[nodiscard]] float friction_share() const override { return friction_share_; }
+  [[nodiscard]] const Obstacles* on_the_way(float done) const override;
   /// The point cloud of Algorithm 1: the pixels of pressers near the region, thinned out by
   /// settings.step, at the depth measured in this frame (balls are made of averages over frames).
   [[nodiscard]] std::span<const Eigen::Vector3f> cloud() const { return cloud_; }
@@ -114,22 +113,9 @@ class ObjectSurface final : public PressingSurface {
   /// the first build on.
   [[nodiscard]] std::size_t cloud_room() const { return cloud_.capacity(); }
   [[nodiscard]] const ObjectSurfaceSettings& settings() const { return settings_; }
-  [[nodiscard]] const Eigen::AlignedBox3f& bounds() const override { return bounds_; }
-  [[nodiscard]] float band() const override { return static_cast<float>(settings_.band); }
   /// Found from the extent of the measured fronts in 26 directions, so that balls that appear and
   /// vanish inside of a thing have no influence.
   [[nodiscard]] double moved() const override { return moved_; }
-
-  [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x,
-                                                       float reach) const override;
-  /// Within the band.
-  [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x) const {
-    return nearest(x, band());
-  }
-  [[nodiscard]] bool is_within(const Eigen::Vector3f& x, float reach) const override {
-    return tree_.is_any_within(x, reach);
-  }
-  [[nodiscard]] std::optional<SurfaceShape> shape_at(const Eigen::Vector3f& x) const override;
 
   /// As nearest(), by a search of all balls; tests compare nearest() with it.
   [[nodiscard]] std::optional<NearestOnObject> nearest_by_brute_force(
@@ -141,8 +127,6 @@ class ObjectSurface final : public PressingSurface {
   void keep(const ObjectBall& ball);
   void finish();
   void find_moved();
-  void find_friction_share();
-  [[nodiscard]] NearestOnObject on_ball(const Eigen::Vector3f& x, float distance, int index) const;
 
   [[nodiscard]] const MaskImage& everything_measured(const DepthImage& depth);
   [[nodiscard]] PixelBox box_of_things(const DepthImage& depth, const MaskImage& shows,
@@ -156,23 +140,19 @@ class ObjectSurface final : public PressingSurface {
 
   ObjectSurfaceSettings settings_;
   Eigen::AlignedBox3f region_;  // grown by the band
-  Eigen::AlignedBox3f bounds_;
-  Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
   Silhouette silhouette_;
   Creases creases_;
   std::vector<MedialBall> found_;  // camera frame
-  std::vector<ObjectBall> balls_;
   std::vector<Eigen::Vector3f> cloud_;
-  std::vector<Ball> bare_;
   std::array<float, 26> reach_{};  // m, extent of the measured fronts along 26 directions
   bool measured_ = false;          // whether any front was measured
   // m, displacement since the previous build; about half of it for a thing that is cut off.
   Eigen::Vector3f way_ = Eigen::Vector3f::Zero();
   double moved_ = 0;
-  float friction_share_ = 0;
-  BallTree tree_, before_;
+  BallTree before_;
   RestFilter rest_;
   HeldBalls held_;
+  mutable BallUnion on_the_way_;
   MaskImage all_;  // the mask that stands for an empty `shows`
 };
 

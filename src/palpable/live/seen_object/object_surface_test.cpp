@@ -448,6 +448,34 @@ TEST_CASE("the displacement of a thing is found from its measured part",
   CHECK(std::isinf(seen.moved()));
 }
 
+TEST_CASE("balls on their way are where they came from, each by its own way",
+          "[seen_object][object surface]") {
+  std::vector<ObjectBall> balls(2);
+  balls[0].centre = Vector3f(0, 0, 0);
+  balls[1].centre = Vector3f(0.04f, 0, 0);
+  for (ObjectBall& ball : balls) {
+    ball.normal = Vector3f::UnitZ();
+    ball.point = ball.centre + ball.radius * ball.normal;
+  }
+  ObjectSurface surface;
+  surface.build(balls, Eigen::AlignedBox3d(Vector3d::Constant(-0.2), Vector3d::Constant(0.2)),
+                Vector3f(0, 0, 0.5f));
+  CHECK(surface.on_the_way(0.5f) == nullptr);  // nothing rubs
+  const Vector3f way(0, 0.004f, 0.002f);
+  const std::vector<ObjectSurface::BallMotion> motion{{way, 1, false},
+                                                      {Vector3f::Zero(), 1, false}};
+  surface.set_motion(motion);
+  for (const float done : {0.0f, 0.25f, 1.0f}) {
+    INFO("done " << done);
+    const Obstacles& there = *surface.on_the_way(done);
+    const Vector3f moved = balls[0].centre - (1 - done) * way;
+    const Vector3f above(0, 0, balls[0].radius + 0.001f);
+    CHECK(gap_at(there, moved + above).distance == Approx(0.001).margin(1e-7));
+    CHECK((*there.way_of({-1, moved + above}) - done * way).norm() < 1e-9f);
+    CHECK(gap_at(there, balls[1].centre + above).distance == Approx(0.001).margin(1e-7));
+  }
+}
+
 TEST_CASE("a thing that is far from the region makes no balls", "[seen_object][object surface]") {
   const Capsule near{{0, 0, 0.4}, {0, 0, 0.4}, 0.02}, far{{0.1, 0, 0.6}, {0.1, 0, 0.6}, 0.02};
   const DepthImage depth = test::depth_of({near, far}, kCamera);
