@@ -15,7 +15,10 @@
 #include "palpable/common/base/output_name.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/body_file.h"
+#include "palpable/common/body_file/touch_file.h"
 #include "palpable/common/reduced/reduced_body.h"
+#include "palpable/common/response/touchable_body.h"
+#include "palpable/desk/clip_files/film_friction.h"
 #include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/desk/clip_writer/desk_film.h"
 #include "palpable/desk/clip_writer/sequence_folder.h"
@@ -29,6 +32,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -45,6 +49,7 @@ struct SynthOptions {
   fs::path scene;
   int frames = 0;  // 0: the length of the sequence
   std::uint64_t seed = 1;
+  std::optional<double> friction;  // none: that of the body file
   fs::path out;
   bool json = false;
 };
@@ -88,7 +93,14 @@ std::vector<ReducedBody> read_bodies(const fs::path& scene,
   return bodies;
 }
 
-void synth_scene(const SynthOptions& options, const SequenceOrder& order) {
+// States the friction between the film's hand and its bodies, for `palpable truth` and `palpable
+// live`. Nothing is stated without any.
+void state_friction(const fs::path& clip, double coefficient) {
+  if (coefficient > 0) write_film_friction(clip, coefficient);
+}
+
+// @return Coulomb's coefficient
+double synth_scene(const SynthOptions& options, const SequenceOrder& order) {
   const std::vector<DescribedBody> described = read_scene_description(options.scene);
   const std::vector<Rigid3> poses = scene_from_bodies(described);
   const std::vector<ReducedBody> bodies = read_bodies(options.scene, described);
@@ -104,12 +116,16 @@ void synth_scene(const SynthOptions& options, const SequenceOrder& order) {
   }
   ProgressBar bar;
   write_sequence(filmed, order, options.out, bar.progress());
+  return options.friction.value_or(0.0);
 }
 
-void synth_body(const SynthOptions& options, const fs::path& file, const SequenceOrder& order) {
+double synth_body(const SynthOptions& options, const fs::path& file, const SequenceOrder& order) {
   const ReducedBody body = value_or_throw(read_pressable_body(file));
   ProgressBar bar;
   write_sequence(body, order, options.out, bar.progress());
+  if (options.friction) return *options.friction;
+  const Result<TouchableBody> with_tables = read_touchable_body(file);
+  return with_tables ? friction_of(with_tables.value()) : 0.0;
 }
 
 void synth(const SynthOptions& options) {
@@ -125,20 +141,19 @@ void synth(const SynthOptions& options) {
                         : options.body.empty() ? default_body()
                                                : find_body(options.body);
   const SequenceOrder order{options.name, frames, options.seed, file.filename().string()};
-  if (has_scene) {
-    synth_scene(options, order);
-  } else {
-    synth_body(options, file, order);
-  }
+  const double friction = has_scene ? synth_scene(options, order) : synth_body(options, file, order);
+  state_friction(options.out, friction);
   if (options.json) {
     print_json({{"folder", options.out.string()},
                 {"sequence", options.name},
                 {has_scene ? "scene" : "body", file.string()},
                 {"frames", frames},
-                {"seed", options.seed}});
+                {"seed", options.seed},
+                {"friction", friction}});
   } else {
-    print_text("{}: {} frames of {} with {}, seed {}\n", options.out.string(), frames, options.name,
-               file.string(), options.seed);
+    print_text("{}: {} frames of {} with {}, seed {}{}\n", options.out.string(), frames,
+               options.name, file.string(), options.seed,
+               friction > 0 ? fmt::format(", friction {:g}", friction) : "");
   }
 }
 
@@ -167,6 +182,12 @@ void add_synth(Command app) {
   command.add_option("--seed", options->seed, "Decides textures, noise, places, depths and motions")
       .in_range(std::uint64_t{0}, kLargestSeed)
       .show_default();
+  command
+      .add_option("--friction", options->friction,
+                  "Coulomb's coefficient between hand and body, stated in truth/friction.txt for "
+                  "truth and live; it changes no picture")
+      .in_range(0.0, kMostFriction)
+      .default_is("that of the body file; with --scene 0");
   command.add_option("-o,--out", options->out, "Folder to write into: frames/ and truth/")
       .type_name("DIR")
       .required();

@@ -44,6 +44,11 @@ void set_friction(TouchableBody& body, double mu) {
   if (body.modal) body.modal->friction = mu;
 }
 
+double friction_of(const TouchableBody& body) {
+  if (body.touch) return body.touch->friction;
+  return body.modal ? body.modal->friction : 0.0;
+}
+
 TouchableBody scaled(const TouchableBody& body, double factor) {
   TouchableBody result = scaled(body.body, factor);
   if (body.touch) result.touch = scaled(*body.touch, factor);

@@ -27,6 +27,8 @@ struct TouchableBody {
 /// Sets Coulomb's coefficient of friction of the skin (TouchTables::friction), as far as the body
 /// has tables. @pre is_friction(mu)
 void set_friction(TouchableBody& body, double mu);
+/// Its coefficient; 0 of a body without tables.
+[[nodiscard]] double friction_of(const TouchableBody& body);
 
 /// The body with every length multiplied by `factor`, as scaled(ReducedBody) does: the same
 /// material takes similar shapes under similar loads, so that stiffness grows by the factor, and
