@@ -231,7 +231,6 @@ bool ContactFrame::solve_problem(double shift) {
   }
   for (std::size_t k = 0; k < of_pressed_.size(); ++k)
     search_.contacts()[of_pressed_[k]] = pressed_[k];
-  report_.friction_fallbacks += problem_.fell_back() ? 1 : 0;
   return true;
 }
 

@@ -195,7 +195,6 @@ bool ContactProblem::solve(std::span<Contact> contacts, std::span<ProblemBody> b
   const std::size_t m = contacts.size();
   const std::span<double> W(W_.data(), m * m), q(q_.data(), m), f(f_.data(), m);
   residual_ = 0;
-  fell_back_ = false;
   assemble(contacts, bodies, step);
   turning_.clear();
   if (step.turning) find_turning(contacts);
@@ -348,7 +347,6 @@ bool ContactProblem::solve_with_friction(std::span<Contact> contacts, std::span<
                                           complementarity_, f, rub);
   if (!outcome.is_solved) return false;
   residual_ = outcome.residual;
-  fell_back_ = outcome.newton_steps > 0;
 
   // The displacement of the tangents that turn.
   const std::size_t t = 2 * turning_.size(), wide_t = padded(t);

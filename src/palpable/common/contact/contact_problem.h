@@ -101,8 +101,6 @@ class ContactProblem {
   void make_room_for_friction();
   /// m, of the last problem: ConeOutcome::residual. 0 without friction.
   [[nodiscard]] double residual() const { return residual_; }
-  /// Whether the last problem was left to Newton's method (ConeOutcome::newton_steps).
-  [[nodiscard]] bool fell_back() const { return fell_back_; }
 
  private:
   struct Turning {  // a contact with a curved obstacle
@@ -141,7 +139,6 @@ class ContactProblem {
   // With friction.
   CoulombCone cone_;
   double residual_ = 0;
-  bool fell_back_ = false;
   std::vector<std::size_t> rubbing_;      // (k) contacts with tangents here: those that rub or turn
   std::vector<Eigen::Vector3f> t1_, t2_;  // (k) their directions
   std::vector<double> mu_, rub_;          // (k), (2k) N

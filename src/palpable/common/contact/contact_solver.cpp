@@ -279,7 +279,6 @@ ContactReport ContactSolver::advance(std::span<const Near> near) {
     all.imbalance = std::max(all.imbalance, one.imbalance);
     all.left_to_move = std::max(all.left_to_move, one.left_to_move);
     all.friction_residual = std::max(all.friction_residual, one.friction_residual);
-    all.friction_fallbacks += one.friction_fallbacks;
     all.dissipated += one.dissipated;
     all.stuck |= one.stuck;
     all.inside_before = std::max(all.inside_before, one.inside_before);

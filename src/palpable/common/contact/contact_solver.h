@@ -16,8 +16,8 @@
 ///       ┌────────────┐  which contact points are near an obstacle or near another skin
 ///    ┌─►│ 1 search   │  contact_search.h, near_points.h, moving_surface.h
 ///    │  └─────┬──────┘
-///    │  ┌─────▼──────┐  obstacles that are deeper than one step are moved back by a shift,
-///    │  │ 2 step     │◄──┐ and advance step by step: contact_frame.h
+///    │  ┌─────▼──────┐  obstacles that are deeper than one step are moved back by a shift, and
+///    │  │ 2 step     │◄──┐ advance step by step; with friction on their own ways: contact_frame.h
 ///    │  └─────┬──────┘   │
 ///    │  ┌─────▼──────┐   │  gaps g at the present positions: to obstacles in one query
 ///    │  │ 3 gaps     │◄┐ │  (obstacles.h), to skins by tangent planes (contact_search.h)

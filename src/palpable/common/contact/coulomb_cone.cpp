@@ -5,19 +5,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace palpable {
 namespace {
 
-// Rounds of normal forces and friction at most, and after how many the residual has to be halved.
-// Newton's method follows only where it is not: a slow solve is continued by the next iteration.
-constexpr int kMostRounds = 9, kHalvingRounds = 3;
+// Rounds of normal forces and friction at most.
+constexpr int kMostRounds = 9;
+// Ratio of the residuals after and before a round, above which further ones are not worth their
+// time: the next iteration of the contact goes on from there.
+constexpr double kStalls = 0.8;
 constexpr int kSweeps = 20;
 // Ratio to the tolerance: sweeps end when none of them moves a point farther.
 constexpr double kSweepTolerance = 0.2;
 // Newton's method: steps at most, and unknowns. A step with as many takes 2 to 3 ms; a larger
-// problem keeps what the rounds have found.
+// problem has the rounds alone.
 constexpr int kNewtonSteps = 4;
 constexpr std::size_t kMostUnknowns = 192;
 // Steps of Newton's method for the multiplier of a point that slides; they converge from below.
@@ -152,34 +155,55 @@ double CoulombCone::residual(const ConeProblem& p, std::span<const double> f,
 
 ConeOutcome CoulombCone::solve(const ConeProblem& p, Complementarity& normal, std::span<double> f,
                                std::span<double> t) {
-  PALPABLE_EXPECT(p.q.size() <= most_ && p.contacts.size() <= most_, "there is room");
-  ConeOutcome outcome;
-  double before = 0;
-  bool stalls = false;
-  for (int round = 1; round <= kMostRounds && !stalls; ++round) {
-    add_friction(p, t);
-    outcome.is_solved = normal.solve(p.W, std::span<const double>(q_).first(p.q.size()), f);
-    if (!outcome.is_solved) return outcome;
-    add_pressing(p, f);
-    sweep(p, f, t);
-    outcome.residual = residual(p, f, t);
-    outcome.rounds = round;
-    if (outcome.residual <= p.tolerance) return outcome;
-    if (round == 1) before = outcome.residual;
-    if (round % kHalvingRounds != 0) continue;
-    stalls = outcome.residual > 0.5 * before;
-    before = outcome.residual;
-  }
-  if (!stalls) return outcome;
-  std::copy(f.begin(), f.end(), best_f_.begin());
-  std::copy(t.begin(), t.end(), best_t_.begin());
+  ConeOutcome outcome = solve_by_rounds(p, normal, f, t, 1);
+  const auto is_done = [&] { return !outcome.is_solved || outcome.residual <= p.tolerance; };
+  if (is_done()) return outcome;
+  keep(f, t);
   const ConeOutcome newton = solve_by_newton(p, f, t, kNewtonSteps);
   outcome.newton_steps = newton.newton_steps;
   if (newton.is_solved && newton.residual < outcome.residual) {
     outcome.residual = newton.residual;
   } else {
-    std::copy_n(best_f_.begin(), f.size(), f.begin());
-    std::copy_n(best_t_.begin(), t.size(), t.begin());
+    take_back(f, t);
+  }
+  if (is_done()) return outcome;
+  keep(f, t);
+  const ConeOutcome more = solve_by_rounds(p, normal, f, t, kMostRounds - 1);
+  outcome.rounds += more.rounds;
+  if (more.is_solved && more.residual < outcome.residual) {
+    outcome.residual = more.residual;
+  } else {
+    take_back(f, t);
+  }
+  return outcome;
+}
+
+void CoulombCone::keep(std::span<const double> f, std::span<const double> t) {
+  std::copy(f.begin(), f.end(), best_f_.begin());
+  std::copy(t.begin(), t.end(), best_t_.begin());
+}
+
+void CoulombCone::take_back(std::span<double> f, std::span<double> t) const {
+  std::copy_n(best_f_.begin(), f.size(), f.begin());
+  std::copy_n(best_t_.begin(), t.size(), t.begin());
+}
+
+ConeOutcome CoulombCone::solve_by_rounds(const ConeProblem& p, Complementarity& normal,
+                                         std::span<double> f, std::span<double> t,
+                                         int most_rounds) {
+  PALPABLE_EXPECT(p.q.size() <= most_ && p.contacts.size() <= most_, "there is room");
+  ConeOutcome outcome;
+  double before = std::numeric_limits<double>::infinity();
+  while (outcome.rounds < most_rounds) {
+    add_friction(p, t);
+    outcome.is_solved = normal.solve(p.W, std::span<const double>(q_).first(p.q.size()), f);
+    if (!outcome.is_solved) break;
+    add_pressing(p, f);
+    sweep(p, f, t);
+    outcome.residual = residual(p, f, t);
+    ++outcome.rounds;
+    if (outcome.residual <= p.tolerance || outcome.residual > kStalls * before) break;
+    before = outcome.residual;
   }
   return outcome;
 }

@@ -13,9 +13,10 @@
 /// halves solve it: the linear complementarity problem of f for a given t (complementarity.h), and
 /// Gauss-Seidel over the points for t with the bounds mu f. On a half space with a Poisson's ratio
 /// of 0.4 a round reduces the residual to a tenth or less, since normal and tangential forces are
-/// coupled weakly; with a ratio of 0 and mu of 1 or 3, to a third. Where three rounds do not halve
-/// it, a few steps of Newton's method follow (Alart and Curnier 1991), if the points are few enough
-/// for a frame's time.
+/// coupled weakly; with a ratio of 0 and mu of 1 or 3, to a third. After the first round a few
+/// steps of Newton's method follow (Alart and Curnier 1991), if the points are few enough for a
+/// frame's time: two of them take as long as a round of some tens of points, and most problems are
+/// then solved. What is left is done by more rounds, as long as these help.
 #pragma once
 
 #include "palpable/common/contact/complementarity.h"
@@ -45,7 +46,7 @@ struct ConeOutcome {
   /// the projection onto the disc of radius mu f and w the larger of the two W_tt of the point.
   double residual = 0;
   int rounds = 0;
-  int newton_steps = 0;  ///< of Alart and Curnier's method; 0: it was not needed
+  int newton_steps = 0;  ///< of Alart and Curnier's method; 0: the first round was enough
 };
 
 /// Keeps the memory of its solves. Allocates in make_room() alone.
@@ -60,7 +61,9 @@ class CoulombCone {
   ConeOutcome solve(const ConeProblem& problem, Complementarity& normal, std::span<double> f,
                     std::span<double> t);
 
-  /// Newton's method alone, from the guess in f and t: the tests compare both.
+  /// Rounds alone, and Newton's method alone, from the guess in f and t: the tests compare both.
+  ConeOutcome solve_by_rounds(const ConeProblem& problem, Complementarity& normal,
+                              std::span<double> f, std::span<double> t, int most_rounds);
   /// @param most_steps  of it
   ConeOutcome solve_by_newton(const ConeProblem& problem, std::span<double> f, std::span<double> t,
                               int most_steps);
@@ -69,6 +72,8 @@ class CoulombCone {
   double residual(const ConeProblem& problem, std::span<const double> f, std::span<const double> t);
 
  private:
+  void keep(std::span<const double> f, std::span<const double> t);
+  void take_back(std::span<double> f, std::span<double> t) const;
   void add_friction(const ConeProblem& p, std::span<const double> t);
   void add_pressing(const ConeProblem& p, std::span<const double> f);
   void sweep(const ConeProblem& p, std::span<const double> f, std::span<double> t);
@@ -79,7 +84,7 @@ class CoulombCone {
   std::size_t most_ = 0;
   std::vector<double> q_, b_;               // (m) q + W_nt t, (2k) q_t + W_nt^T f
   std::vector<double> slip_, gap_;          // (2k), (m)
-  std::vector<double> best_f_, best_t_;     // of Newton's method
+  std::vector<double> best_f_, best_t_;     // by keep()
   std::vector<double> matrix_, right_;      // of a step of it
   std::vector<int> column_of_, columns_t_;  // (m), (k) of its unknowns; -1: none
 };

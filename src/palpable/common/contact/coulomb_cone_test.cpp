@@ -162,10 +162,12 @@ TEST_CASE("Gauss-Seidel and Alart-Curnier find the same forces", "[contact][fric
   for (const double aside : {0.0, 3e-4, 2e-3}) {
     INFO(aside << " m aside");
     const Ball ball(0.002, Vector2d(0, aside), 0.5, 0.4);
-    const Forces one = solved(ball);
-    REQUIRE(one.outcome.newton_steps == 0);
     CoulombCone cone;
     cone.make_room(ball.m);
+    Complementarity normal(static_cast<int>(ball.m));
+    Forces one{std::vector<double>(ball.m), std::vector<double>(2 * ball.m), {}};
+    one.outcome = cone.solve_by_rounds(ball.problem(), normal, one.f, one.t, 20);
+    REQUIRE(one.outcome.residual <= 1e-6);
     Forces other{std::vector<double>(ball.m), std::vector<double>(2 * ball.m), {}};
     for (std::size_t i = 0; i < ball.m; ++i) {
       other.f[i] = 0.9 * one.f[i];
