@@ -141,7 +141,8 @@ void synth(const SynthOptions& options) {
                         : options.body.empty() ? default_body()
                                                : find_body(options.body);
   const SequenceOrder order{options.name, frames, options.seed, file.filename().string()};
-  const double friction = has_scene ? synth_scene(options, order) : synth_body(options, file, order);
+  const double friction =
+      has_scene ? synth_scene(options, order) : synth_body(options, file, order);
   state_friction(options.out, friction);
   if (options.json) {
     print_json({{"folder", options.out.string()},

@@ -33,14 +33,14 @@ Obstacle moved(Obstacle obstacle, const Rigid3& target_from_source) {
   return obstacle;
 }
 
-Obstacle between(const Obstacle& from, const Obstacle& to, double t) {
+Obstacle interpolated(const Obstacle& from, const Obstacle& to, double t) {
   PALPABLE_EXPECT(has_same_parts(from, to), "an obstacle on its way has the same parts");
   const auto mix = [t](const Vector3d& one, const Vector3d& other) -> Vector3d {
     return (1 - t) * one + t * other;
   };
   Obstacle now = to;
   for (std::size_t k = 0; k < to.capsules.size(); ++k) {
-    now.capsules[k] = between(from.capsules[k], to.capsules[k], t);
+    now.capsules[k] = interpolated(from.capsules[k], to.capsules[k], t);
   }
   for (std::size_t k = 0; k < to.half_spaces.size(); ++k) {
     const HalfSpace &one = from.half_spaces[k], &other = to.half_spaces[k];

@@ -46,11 +46,11 @@ struct Obstacle {
 /// The same obstacle, moved.
 [[nodiscard]] Obstacle moved(Obstacle obstacle, const Rigid3& target_from_source);
 
-/// An obstacle on its way. Surfaces and half spaces turn on the shortest way, capsules as between()
-/// of geometry/capsule.h.
+/// An obstacle on its way. Surfaces and half spaces turn on the shortest way, capsules as
+/// interpolated() of geometry/capsule.h.
 /// @param t  0: from, 1: to
 /// @pre both have the same parts
-[[nodiscard]] Obstacle between(const Obstacle& from, const Obstacle& to, double t);
+[[nodiscard]] Obstacle interpolated(const Obstacle& from, const Obstacle& to, double t);
 
 /// Smallest radius of curvature of all capsules, m; infinite without any.
 [[nodiscard]] double smallest_radius(const Obstacle& obstacle);

@@ -191,7 +191,7 @@ struct ExactObstacles::OnTheWay {
   ObstacleGaps gaps;
   ExactObstacles obstacles;
   OnTheWay(const Obstacle& before, const Obstacle& now, double done)
-      : gaps(between(before, now, done)), obstacles(gaps, &before) {}
+      : gaps(interpolated(before, now, done)), obstacles(gaps, &before) {}
 };
 
 const Obstacles* ExactObstacles::on_the_way(float done) const {

@@ -93,8 +93,8 @@ const Obstacles* CapsuleObstacles::on_the_way(float done) const {
   for (std::size_t k = 0; k < capsules_.size(); ++k) {
     const int before = before_of_[k];
     between_.push_back(before < 0 ? capsules_[k]
-                                  : between(before_[static_cast<std::size_t>(before)], capsules_[k],
-                                            static_cast<double>(done)));
+                                  : interpolated(before_[static_cast<std::size_t>(before)],
+                                                 capsules_[k], static_cast<double>(done)));
   }
   on_the_way_->set(between_, things_);
   on_the_way_->set_motion(friction_, before_, now_of_);

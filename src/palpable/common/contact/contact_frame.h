@@ -45,7 +45,7 @@ struct ContactReport {
   double left_to_move = 0;
   /// m, of the last iteration's problem with friction (ConeOutcome::residual); 0 without friction.
   double friction_residual = 0;
-  double dissipated = 0;       ///< J, by friction in this frame, before the step limit
+  double dissipated = 0;  ///< J, by friction in this frame, before the step limit
   bool stuck = false;  ///< the last iteration could make no step, so that left_to_move is not known
 
   // Penetration depths of obstacles into the skin, m, measured after the step limit was applied.

@@ -330,7 +330,7 @@ Capsule rod_at(double x, double depth, double radius) {
   return {tip, tip + Vector3d(0, 0, 0.04), radius, radius};
 }
 
-// The first cushion after a way of things from one pose to another in so many frames.
+// The first cushion after a way of things from one pose to another, in a number of frames.
 // @param way  the capsules at 0, where the way begins, to 1; from -1 to 0 they come down
 template <class Way>
 Stack walked(double mu, int frames, const Way& way) {

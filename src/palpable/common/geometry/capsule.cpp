@@ -28,7 +28,7 @@ std::vector<Capsule> transformed(std::vector<Capsule> capsules, const Rigid3& ta
   return capsules;
 }
 
-Capsule between(const Capsule& from, const Capsule& to, double t) {
+Capsule interpolated(const Capsule& from, const Capsule& to, double t) {
   const auto mix = [t](const auto& one, const auto& other) { return (1 - t) * one + t * other; };
   const Eigen::Vector3d axis = from.b - from.a, turned = to.b - to.a;
   const auto turn = Eigen::Quaterniond::FromTwoVectors(axis, turned);

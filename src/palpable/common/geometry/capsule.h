@@ -33,7 +33,7 @@ struct Capsule {
 /// A capsule on its way: end a goes straight, and the axis turns on the shortest way. It does not
 /// spin about its axis.
 /// @param t  0: from, 1: to
-[[nodiscard]] Capsule between(const Capsule& from, const Capsule& to, double t);
+[[nodiscard]] Capsule interpolated(const Capsule& from, const Capsule& to, double t);
 
 /// A box that contains the capsule; not the smallest one if its radii differ.
 [[nodiscard]] Eigen::AlignedBox3d box_of(const Capsule& capsule);

@@ -147,7 +147,7 @@ TEST_CASE("a capsule on its way keeps its length and turns on the shortest way",
                           turned = (to.b - to.a).normalized();
     const double angle = std::acos(std::clamp(axis.dot(turned), -1.0, 1.0));
     for (const double t : {0.0, 0.3, 1.0}) {
-      const Capsule now = between(from, to, t);
+      const Capsule now = interpolated(from, to, t);
       CHECK((now.a - ((1 - t) * from.a + t * to.a)).norm() < tolerance(1e-12, "m: rounding"));
       CHECK((now.b - now.a).norm() == Approx((from.b - from.a).norm()));
       const Eigen::Vector3d here = (now.b - now.a).normalized();
@@ -158,7 +158,7 @@ TEST_CASE("a capsule on its way keeps its length and turns on the shortest way",
     }
   }
   const Capsule ball{{0, 0, 0}, {0, 0, 0}, 1, 1}, moved{{2, 0, 0}, {2, 0, 0}, 3, 3};
-  const Capsule now = between(ball, moved, 0.5);
+  const Capsule now = interpolated(ball, moved, 0.5);
   CHECK(now.a == Eigen::Vector3d(1, 0, 0));
   CHECK(now.b == now.a);
   CHECK(now.ra == 2);
