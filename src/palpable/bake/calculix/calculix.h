@@ -63,6 +63,15 @@ struct CalculixRun {
                                               const CalculixSettings& settings = {},
                                               const Progress& progress = {});
 
+/// The lowest frequencies of free vibration around the undeformed body, rad/s, rising, by CalculiX
+/// (*FREQUENCY, ARPACK) on the same mesh: to verify solid/vibration_modes.h. Only `program` and
+/// `folder` of the settings are used.
+/// @param density  kg/m^3, > 0
+/// @throws Error as solve_with_calculix(), and for another law than St. Venant-Kirchhoff's
+[[nodiscard]] std::vector<double> frequencies_by_calculix(const SolidModel& model, double density,
+                                                          int modes,
+                                                          const CalculixSettings& settings = {});
+
 /// The program's full path if it can be run; nothing otherwise. @param program  name or path
 [[nodiscard]] std::optional<std::filesystem::path> find_calculix(std::string_view program = "ccx");
 

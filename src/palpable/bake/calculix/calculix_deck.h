@@ -55,4 +55,12 @@ struct CalculixLid {
                                         std::span<const double> levels, double tolerance = 1e-8,
                                         const CalculixLid* lid = nullptr);
 
+/// The deck of free vibration around the undeformed body: one *STEP with *FREQUENCY. CalculiX'
+/// laws are linear there, *ELASTIC alike for all deformations.
+/// @param density  kg/m^3, > 0, of all elements; 1 in the deck's units
+/// @param modes    >= 1
+/// @throws Error as check_model(); for another law than St. Venant-Kirchhoff's
+[[nodiscard]] std::string calculix_frequency_deck(const SolidModel& model, double density,
+                                                  int modes);
+
 }  // namespace palpable

@@ -45,7 +45,7 @@ Json held_out_json(const std::vector<HeldOutTouch>& touches) {
 }  // namespace
 
 std::string vibration_text(const std::optional<VibrationTable>& table) {
-  if (!table) return "no mass: it follows what presses it, and never rings";
+  if (!table) return "no mass: it follows what presses it, and does not swing back";
   return fmt::format(
       "{} vibration modes from {:.3g} to {:.3g} Hz, damping ratio {:g}; {:.3g} kg of {:g} kg/m^3",
       table->mode_count(), hertz(table->omega.front()), hertz(table->omega.back()),
@@ -71,7 +71,8 @@ std::string touch_text(const std::optional<TouchTables>& tables) {
                         tables->coarse->surface.vertex_count());
   }
   if (tables->friction > 0) text += fmt::format("; friction {:g}", tables->friction);
-  text += fmt::format("; {:.3g} MB; ", megabytes(*tables)) + vibration_text(tables->vibration);
+  text += fmt::format("; {:.3g} MB", megabytes(*tables));
+  if (tables->vibration) text += "; " + vibration_text(tables->vibration);
   if (!tables->held_out.empty()) text += "; " + held_out_text(tables->held_out);
   if (const auto scale = error_scale(tables->held_out)) {
     text += fmt::format(
