@@ -305,7 +305,7 @@ fs::path program_of(const CalculixSettings& settings) {
 
 std::vector<double> frequencies_by_calculix(const SolidModel& model, double density, int modes,
                                             const CalculixSettings& settings) {
-  const std::string deck = calculix_frequency_deck(model, density, modes);
+  const std::string deck = calculix_frequency_deck(model, modes);
   const fs::path program = program_of(settings);
   std::optional<TemporaryFolder> temporary;
   if (settings.folder.empty()) temporary.emplace("palpable-ccx");
@@ -318,9 +318,7 @@ std::vector<double> frequencies_by_calculix(const SolidModel& model, double dens
   std::ifstream dat(files.of("dat"), std::ios::binary);
   std::vector<double> values =
       value_or_throw(read_calculix_eigenvalues(dat, modes, files.of("dat").string()));
-  // K = (stress length) K' and M = (density length^3) M', with a density of 1 in the deck.
-  const CalculixUnits units = calculix_units(model);
-  const double unit = units.stress / (density * units.length * units.length);
+  const double unit = calculix_eigenvalue_unit(model, density);
   for (double& value : values) value = std::sqrt(std::max(0.0, value * unit));
   return values;
 }

@@ -261,8 +261,8 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
   return deck;
 }
 
-std::string calculix_frequency_deck(const SolidModel& model, double density, int modes) {
-  PALPABLE_EXPECT(density > 0.0 && modes >= 1, "a density and a number of modes");
+std::string calculix_frequency_deck(const SolidModel& model, int modes) {
+  PALPABLE_EXPECT(modes >= 1, "at least one mode");
   check_model(model);
   const auto refuse = [](const Material& material) {
     if (std::holds_alternative<SaintVenantKirchhoff>(material)) return;
@@ -275,10 +275,17 @@ std::string calculix_frequency_deck(const SolidModel& model, double density, int
   for (const MaterialGroup& group : model.groups) refuse(group.material);
   const CalculixUnits units = calculix_units(model);
   std::string deck = head_of(units);
-  append_body(model, units, 1.0, deck);
+  append_body(model, units, kFrequencyDeckDensity, deck);
   append_support(held_components(model), deck);
   fmt::format_to(std::back_inserter(deck), "*STEP\n*FREQUENCY\n{}\n*END STEP\n", modes);
   return deck;
+}
+
+// K = (stress length) K' and M = (density / density' length^3) M', where ' is in the deck's units.
+double calculix_eigenvalue_unit(const SolidModel& model, double density) {
+  PALPABLE_EXPECT(density > 0.0 && std::isfinite(density), "a density above 0");
+  const CalculixUnits units = calculix_units(model);
+  return units.stress * kFrequencyDeckDensity / (density * units.length * units.length);
 }
 
 }  // namespace palpable

@@ -370,7 +370,7 @@ TEST_CASE("a density makes a body heavy, wherever it stands", "[describe][descri
             .inertia.value()
             .density == Approx(1070));
   CHECK_THAT(heavy_refused("density = '1.07 g/cm^3'\n", "[gravity]\ndensity = '1080 kg/m^3'\n"),
-             StartsWith("dir/cube.toml:22: 'density' in [gravity] is 1080 kg/m^3") &&
+             StartsWith("dir/cube.toml:25: 'density' in [gravity] is 1080 kg/m^3") &&
                  Contains("'density' in [material] is 1070 kg/m^3"));
 
   CHECK_THAT(heavy_refused("density = 1070\n"), Contains("'density' in [material] must be a text"));

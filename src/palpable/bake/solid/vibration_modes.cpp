@@ -239,9 +239,13 @@ SparseMatrix consistent_mass(const TetMesh& mesh, double density) {
 
 VibrationModes vibration_modes(const LoadResponse& body, double density,
                                const VibrationSettings& settings) {
+  return vibration_modes(body, consistent_mass(body.model().mesh, density), settings);
+}
+
+VibrationModes vibration_modes(const LoadResponse& body, const SparseMatrix& M,
+                               const VibrationSettings& settings) {
   PALPABLE_EXPECT(settings.least >= 1 && settings.most >= settings.least && settings.below >= 0,
                   "numbers of modes");
-  const SparseMatrix M = consistent_mass(body.model().mesh, density);
   Lanczos lanczos(body, M);
   Lanczos::Ritz ritz;
   Index modes = 0;

@@ -51,5 +51,10 @@ inline constexpr double kLargestEigenResidual = 1e-6;
 ///         kLargestEigenResidual
 [[nodiscard]] VibrationModes vibration_modes(const LoadResponse& body, double density,
                                              const VibrationSettings& settings = {});
+/// The same with another mass than the consistent one. @param M  (N x N) kg, symmetric, not
+/// negative
+[[nodiscard]] VibrationModes vibration_modes(const LoadResponse& body,
+                                             const Eigen::SparseMatrix<double>& M,
+                                             const VibrationSettings& settings = {});
 
 }  // namespace palpable

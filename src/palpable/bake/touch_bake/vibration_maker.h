@@ -8,6 +8,7 @@
 #include "palpable/common/response/vibration_table.h"
 
 #include <numbers>
+#include <vector>
 
 namespace palpable {
 
@@ -31,7 +32,7 @@ inline constexpr int kMostModesMade = 200;
 /// Of the compliance that is left without the modes, G - Phi Omega^-2 Phi^T, the smallest
 /// eigenvalue as a ratio to the largest of G. Of exact tables it is not negative, since what is
 /// left is the compliance of the other modes. Tables are rounded.
-/// @param vertices  between which G is taken; 200 of them take half a second
+/// @param vertices  between which G is taken, none twice; 200 of them take half a second
 [[nodiscard]] double smallest_residual_compliance(const ComplianceTable& table,
                                                   const VibrationTable& vibration,
                                                   const std::vector<int>& vertices);

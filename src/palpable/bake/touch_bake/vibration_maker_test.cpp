@@ -67,7 +67,7 @@ TEST_CASE("without the modes a compliance is left that still gives way to every 
   const ComplianceTable table =
       make_compliance(made.skin, {.spacing = 0.012, .near_radius = 0.024});
   REQUIRE_FALSE(table.far_first.empty());
-  const std::vector<int> vertices = spread_vertices(made.skin, 0, 1000);
+  const std::vector<int> vertices = spread_vertices(made.skin, 0, 60);
   const double smallest = smallest_residual_compliance(table, vibration, vertices);
   CHECK(smallest >= -tolerance(kResidualRounding, "rounding of the tables"));
   CHECK_NOTHROW(expect_residual_compliance(made.skin, table, vibration));
@@ -87,7 +87,10 @@ TEST_CASE("without the modes a compliance is left that still gives way to every 
   G -= shapes * shapes.transpose();
   const VectorXd left = Eigen::SelfAdjointEigenSolver<MatrixXd>(G).eigenvalues();
   CHECK(left[0] >= -tolerance(1e-10, "rounding of a product in double precision") * largest);
-  CHECK(left[n - 1] < 0.2 * largest);  // the modes hold most of it
+  // The modes hold nearly all of the answer to a force that is spread over the body.
+  const VectorXd sideways = VectorXd::Unit(3, 0).replicate(n / 3, 1);
+  const double by_modes = (shapes.transpose() * sideways).squaredNorm();
+  CHECK(sideways.dot(G * sideways) < 0.02 * by_modes);
 
   // Modes that are too soft take more than there is.
   VibrationTable soft = vibration;
