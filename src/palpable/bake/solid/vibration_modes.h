@@ -23,7 +23,7 @@ namespace palpable {
 [[nodiscard]] Eigen::SparseMatrix<double> consistent_mass(const TetMesh& mesh, double density);
 
 struct VibrationSettings {
-  int least = 20;         ///< modes, >= 1, as far as the body has so many degrees of freedom
+  int least = 20;         ///< modes, >= 1; fewer of a body with fewer degrees of freedom
   double below = 376.99;  ///< rad/s, 2 pi 60 Hz: all modes below this are found
   int most = 200;         ///< modes, >= least
 };

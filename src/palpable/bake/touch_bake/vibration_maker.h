@@ -15,7 +15,7 @@ namespace palpable {
 struct InertiaSettings {
   double density = 0;      ///< kg/m^3, > 0
   double loss_factor = 0;  ///< of the material, 0 <= eta < 1
-  int modes = 20;          ///< at least so many, >= 1
+  int modes = 20;          ///< at least, >= 1
   /// rad/s: all modes below it as well. 60 Hz is twice the rate of frames; stiffer modes follow a
   /// load within a frame.
   double below = 2 * std::numbers::pi * 60;
