@@ -44,8 +44,12 @@ void print_body(const BodyAndTouch& content, const std::filesystem::path& path) 
   for (const FactGroup& group : body_facts(body, path, "--set")) {
     print_lines(group.heading, group.lines);
   }
-  print_lines("touches live", {{"touch", content.modal ? touch_text(*content.modal, body)
-                                                       : touch_text(content.touch)}});
+  const std::string touch =
+      content.modal ? touch_text(*content.modal, body) : touch_text(content.touch);
+  const bool has_tables = content.touch.ok() && content.touch.value();
+  const std::string inertia =
+      vibration_text(has_tables ? content.touch.value()->vibration : std::nullopt);
+  print_lines("touches live", {{"touch", touch}, {"inertia", inertia}});
   std::vector<std::pair<std::string, std::string>> provenance = lines_of(body.provenance);
   for (auto& [key, value] : provenance) value = with_larger_pascals(value);
   print_lines("where it comes from", provenance);

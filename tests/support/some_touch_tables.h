@@ -140,6 +140,19 @@ inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
   return tables;
 }
 
+/// Vibration modes with arbitrary shapes, for a shell of this number of nodes.
+inline VibrationTable some_vibration(int nodes, int modes = 5) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> value(-2, 2);
+  VibrationTable table;
+  for (int k = 0; k < modes; ++k) table.omega.push_back(30.0 + 7.5 * k);
+  table.shapes = Eigen::MatrixXf::NullaryExpr(modes, 3 * nodes, [&] { return value(random); });
+  table.loss_factor = 0.15;
+  table.density = 1070;
+  table.mass = 0.4;
+  return table;
+}
+
 /// Tables without regions of a skin with the compliance
 ///
 ///      G_vw = 1 mm/N exp(-|x_v - x_w| / 20 mm)

@@ -292,24 +292,50 @@ std::optional<fs::path> find_calculix(std::string_view program) {
   return std::nullopt;
 }
 
+namespace {
+
+fs::path program_of(const CalculixSettings& settings) {
+  if (const auto program = find_calculix(settings.program)) return *program;
+  throw Error(fmt::format(
+      "CalculiX ({}) is not there or cannot be run; on Debian: apt install calculix-ccx",
+      settings.program));
+}
+
+}  // namespace
+
+std::vector<double> frequencies_by_calculix(const SolidModel& model, double density, int modes,
+                                            const CalculixSettings& settings) {
+  const std::string deck = calculix_frequency_deck(model, modes);
+  const fs::path program = program_of(settings);
+  std::optional<TemporaryFolder> temporary;
+  if (settings.folder.empty()) temporary.emplace("palpable-ccx");
+  const JobFiles files(temporary ? temporary->path() : settings.folder);
+  files.begin(deck);
+  Child child(program, kJob, files.folder(), files.of("log"));
+  wait_for(child, files, {}, {});
+  const std::string message = calculix_error(read_text(files.of("log")));
+  if (require_results(child.status(), message, 0, "")) throw Error("CalculiX gave up: " + message);
+  std::ifstream dat(files.of("dat"), std::ios::binary);
+  std::vector<double> values =
+      value_or_throw(read_calculix_eigenvalues(dat, modes, files.of("dat").string()));
+  const double unit = calculix_eigenvalue_unit(model, density);
+  for (double& value : values) value = std::sqrt(std::max(0.0, value * unit));
+  return values;
+}
+
 CalculixRun solve_with_calculix(const SolidModel& model, const Matrix3Xd& full_load,
                                 std::span<const double> levels, const CalculixSettings& settings,
                                 const Progress& progress) {
   const std::string deck = calculix_deck(model, full_load, levels, settings.tolerance,
                                          settings.lid ? &*settings.lid : nullptr);
-  const std::optional<fs::path> program = find_calculix(settings.program);
-  if (!program) {
-    throw Error(fmt::format(
-        "CalculiX ({}) is not there or cannot be run; on Debian: apt install calculix-ccx",
-        settings.program));
-  }
+  const fs::path program = program_of(settings);
   std::optional<TemporaryFolder> temporary;
   if (settings.folder.empty()) temporary.emplace("palpable-ccx");
   const JobFiles files(temporary ? temporary->path() : settings.folder);
   files.begin(deck);
 
   const Clock::time_point start = Clock::now();
-  Child child(*program, kJob, files.folder(), files.of("log"));
+  Child child(program, kJob, files.folder(), files.of("log"));
   wait_for(child, files, levels, progress);
   CalculixRun run;
   run.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();

@@ -204,4 +204,36 @@ Result<std::vector<CalculixState>> read_calculix_dat(std::istream& dat,
   }
 }
 
+// The table is preceded by "E I G E N V A L U E   O U T P U T" and its heading. Each row has a
+// mode's number, its eigenvalue, its frequency in radians and cycles per unit of time, and an
+// imaginary part.
+Result<std::vector<double>> read_calculix_eigenvalues(std::istream& dat, int modes,
+                                                      std::string_view name) {
+  std::vector<double> eigenvalues;
+  std::string line;
+  bool in_table = false;
+  int number = 0;
+  while (static_cast<int>(eigenvalues.size()) < modes && std::getline(dat, line)) {
+    ++number;
+    if (line.find("E I G E N V A L U E") != std::string::npos) in_table = true;
+    std::size_t count = 0;
+    const auto words = split<5>(line, count);
+    int mode = 0;
+    if (!in_table || count == 0 || !parse_index(words[0], mode)) continue;
+    double value = 0;
+    if (count != 5 || mode != static_cast<int>(eigenvalues.size()) + 1 ||
+        !parse_fortran(words[1], value) ||
+        (!eigenvalues.empty() && value < eigenvalues.back() * (1 - 1e-6))) {
+      return Problem{
+          fmt::format("{}:{}: no row of eigenvalue {}", name, number, eigenvalues.size() + 1)};
+    }
+    eigenvalues.push_back(value);
+  }
+  if (static_cast<int>(eigenvalues.size()) < modes) {
+    return Problem{
+        fmt::format("{}: ends after {} of {} eigenvalues", name, eigenvalues.size(), modes)};
+  }
+  return eigenvalues;
+}
+
 }  // namespace palpable

@@ -41,4 +41,10 @@ struct CalculixDatLayout {
                                                                    const CalculixDatLayout& layout,
                                                                    std::string_view name);
 
+/// Reads the eigenvalues of a deck of calculix_frequency_deck(), rising, in the deck's unit; of
+/// seven digits. For any input the result is `modes` finite numbers or a problem that names the
+/// line.
+[[nodiscard]] Result<std::vector<double>> read_calculix_eigenvalues(std::istream& dat, int modes,
+                                                                    std::string_view name);
+
 }  // namespace palpable

@@ -98,7 +98,9 @@ void append_mesh(const TetMesh& mesh, const CalculixUnits& units, std::string& d
 }
 
 // Elements of no group form the set BODY; the groups are GROUP1, GROUP2, ...
-void append_materials(const SolidModel& model, const CalculixUnits& units, std::string& deck) {
+// @param density  in the deck's units; 0: none is stated
+void append_materials(const SolidModel& model, const CalculixUnits& units, double density,
+                      std::string& deck) {
   const auto out = std::back_inserter(deck);
   const std::vector<int> group_of = material_groups(model);
   for (int g = -1; g < static_cast<int>(model.groups.size()); ++g) {
@@ -110,6 +112,7 @@ void append_materials(const SolidModel& model, const CalculixUnits& units, std::
       if (group_of[e] == g) fmt::format_to(out, "{}\n", e + 1);
     }
     deck += material_section(material, name, units.stress);
+    if (density > 0) fmt::format_to(out, "*DENSITY\n{}\n", number(density));
     fmt::format_to(out, "*SOLID SECTION, ELSET={0}, MATERIAL={0}\n", name);
   }
 }
@@ -160,6 +163,25 @@ void move_lid(const CalculixLid& lid, int first_node, double last, const Calculi
                      number(last * lid.way[axis] / units.length));
     }
   }
+}
+
+// The body: its mesh, its materials, and what is held.
+void append_body(const SolidModel& model, const CalculixUnits& units, double density,
+                 std::string& deck) {
+  append_mesh(model.mesh, units, deck);
+  append_materials(model, units, density, deck);
+}
+
+void append_support(const std::vector<HeldComponent>& held, std::string& deck) {
+  deck += "*BOUNDARY\n";
+  for (const HeldComponent& h : held) {
+    fmt::format_to(std::back_inserter(deck), "{0},{1},{1}\n", h.at / 3 + 1, h.at % 3 + 1);
+  }
+}
+
+std::string head_of(const CalculixUnits& units) {
+  return fmt::format("** Written by Palpable. Lengths in {:g} m, stresses in {:g} Pa.\n",
+                     units.length, units.stress);
 }
 
 // The beginning of the step: the levels at which results are printed, and the criteria that end an
@@ -224,19 +246,11 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
   check_input(model, full_load, levels, lid != nullptr);
   PALPABLE_EXPECT(tolerance > 0.0 && tolerance < 1.0, "the tolerance is between 0 and 1");
   const CalculixUnits units = calculix_units(model);
-  std::string deck;
-  fmt::format_to(std::back_inserter(deck),
-                 "** Written by Palpable. Lengths in {:g} m, stresses in {:g} Pa.\n", units.length,
-                 units.stress);
-  deck += "** Time is the load level.\n";
-  append_mesh(model.mesh, units, deck);
-  append_materials(model, units, deck);
+  std::string deck = head_of(units) + "** Time is the load level.\n";
+  append_body(model, units, 0, deck);
   if (lid != nullptr) write_lid(model, *lid, units, deck);
   const std::vector<HeldComponent> held = held_components(model);
-  deck += "*BOUNDARY\n";
-  for (const HeldComponent& h : held) {
-    fmt::format_to(std::back_inserter(deck), "{0},{1},{1}\n", h.at / 3 + 1, h.at % 3 + 1);
-  }
+  append_support(held, deck);
   write_step(levels, tolerance, deck);
   write_loads(full_load, held, levels.back(), units, deck);
   if (lid != nullptr) move_lid(*lid, model.mesh.node_count() + 1, levels.back(), units, deck);
@@ -245,6 +259,33 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
   deck += "*EL PRINT, ELSET=EALL, TIME POINTS=LEVELS\nS\n";
   deck += "*END STEP\n";
   return deck;
+}
+
+std::string calculix_frequency_deck(const SolidModel& model, int modes) {
+  PALPABLE_EXPECT(modes >= 1, "at least one mode");
+  check_model(model);
+  const auto refuse = [](const Material& material) {
+    if (std::holds_alternative<SaintVenantKirchhoff>(material)) return;
+    throw Error(
+        fmt::format("the vibration of {} is not asked of CalculiX, only that of "
+                    "saint-venant-kirchhoff",
+                    law_name(material)));
+  };
+  refuse(model.material);
+  for (const MaterialGroup& group : model.groups) refuse(group.material);
+  const CalculixUnits units = calculix_units(model);
+  std::string deck = head_of(units);
+  append_body(model, units, kFrequencyDeckDensity, deck);
+  append_support(held_components(model), deck);
+  fmt::format_to(std::back_inserter(deck), "*STEP\n*FREQUENCY\n{}\n*END STEP\n", modes);
+  return deck;
+}
+
+// K = (stress length) K' and M = (density / density' length^3) M', where ' is in the deck's units.
+double calculix_eigenvalue_unit(const SolidModel& model, double density) {
+  PALPABLE_EXPECT(density > 0.0 && std::isfinite(density), "a density above 0");
+  const CalculixUnits units = calculix_units(model);
+  return units.stress * kFrequencyDeckDensity / (density * units.length * units.length);
 }
 
 }  // namespace palpable

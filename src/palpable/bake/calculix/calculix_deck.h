@@ -55,4 +55,16 @@ struct CalculixLid {
                                         std::span<const double> levels, double tolerance = 1e-8,
                                         const CalculixLid* lid = nullptr);
 
+/// The deck of free vibration around the undeformed body: one *STEP with *FREQUENCY. CalculiX'
+/// laws are linear there, *ELASTIC alike for all deformations.
+/// ccx 2.20 finds the eigenvalues omega^2 nearest to 1 in the deck's unit, and those below it not
+/// at all. The density of all elements is kFrequencyDeckDensity in the deck's unit, with which the
+/// lowest eigenvalues are far above 1 whatever the body.
+/// @param modes    >= 1
+/// @throws Error as check_model(); for another law than St. Venant-Kirchhoff's
+[[nodiscard]] std::string calculix_frequency_deck(const SolidModel& model, int modes);
+inline constexpr double kFrequencyDeckDensity = 1e-12;
+/// (rad/s)^2 of an eigenvalue of 1 in that deck. @param density  kg/m^3, > 0
+[[nodiscard]] double calculix_eigenvalue_unit(const SolidModel& model, double density);
+
 }  // namespace palpable

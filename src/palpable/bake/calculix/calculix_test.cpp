@@ -1,8 +1,12 @@
 #include "palpable/bake/calculix/calculix.h"
 
 #include "palpable/bake/solid/equilibrium.h"
+#include "palpable/bake/solid/load_response.h"
+#include "palpable/bake/solid/vibration_modes.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/geometry/quadrature.h"
+#include "palpable/common/geometry/shape_gradients.h"
 #include "tests/support/replaced.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
@@ -390,6 +394,137 @@ TEST_CASE("CalculiX stretches ten-node tetrahedra as the closed form says, at al
   REQUIRE(xx.size() == 4 * model.mesh.tet_count());
   // tests/verification has the formula.
   CHECK((xx.array() - 1169.587).abs().maxCoeff() <= tolerance(2e-3, "seven printed digits"));
+}
+
+// A .dat file of *FREQUENCY as ccx 2.20 prints it.
+const std::string kFrequencies = R"(
+                        S T E P       1
+
+
+     E I G E N V A L U E   O U T P U T
+
+ MODE NO    EIGENVALUE                       FREQUENCY
+                                     REAL PART            IMAGINARY PART
+                           (RAD/TIME)      (CYCLES/TIME     (RAD/TIME)
+
+      1   0.6442449E-04   0.8026487E-02   0.1277455E-02   0.0000000E+00
+      2   0.6442449E-04   0.8026487E-02   0.1277455E-02   0.0000000E+00
+      3   0.2400000E-02   0.4898979E-01   0.7796969E-02   0.0000000E+00
+
+     P A R T I C I P A T I O N   F A C T O R S
+
+MODE NO.   X-COMPONENT     Y-COMPONENT
+      1   0.1000000E+01   0.1000000E+01   0.1000000E+01   0.1000000E+01
+)";
+
+TEST_CASE(
+    "the printed frequencies of CalculiX are read, and what it cannot have printed is refused",
+    "[calculix][reader]") {
+  const auto read = [](const std::string& text, int modes) {
+    std::istringstream in(text);
+    return read_calculix_eigenvalues(in, modes, "body.dat");
+  };
+  const std::vector<double> values = value_or_throw(read(kFrequencies, 3));
+  CHECK(values == std::vector<double>{0.6442449e-4, 0.6442449e-4, 0.0024});
+  CHECK(value_or_throw(read(kFrequencies, 2)).size() == 2);
+  CHECK_THAT(read(kFrequencies, 4).problem().message,
+             Contains("body.dat:") && Contains("no row of eigenvalue 4"));
+  CHECK_THAT(read(kFrequencies.substr(0, kFrequencies.find("      3 ")), 3).problem().message,
+             Contains("body.dat: ends after"));
+  CHECK_THAT(read("", 1).problem().message, Contains("ends after 0 of 1"));
+  CHECK_FALSE(read(replaced(kFrequencies, "0.2400000E-02", "NaN"), 3).ok());
+  CHECK_FALSE(read(replaced(kFrequencies, "0.2400000E-02", "0.1000000E-05"), 3).ok());
+  CHECK_FALSE(read(replaced(kFrequencies, "      3   ", "      4   "), 3).ok());
+  for (std::size_t cut = 0; cut < kFrequencies.size(); cut += 7) {
+    const auto some = read(kFrequencies.substr(0, cut), 3);
+    if (some.ok()) CHECK(some.value().size() == 3);
+  }
+}
+
+// The mass as CalculiX integrates it: at the points of the stiffness, one (C3D4) or four (C3D10),
+// which are too few for products of shape functions.
+Eigen::SparseMatrix<double> mass_of_calculix(const TetMesh& mesh, double density) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    const auto add = [&](const auto& nodes, const auto& N, double mass) {
+      for (Eigen::Index a = 0; a < nodes.size(); ++a) {
+        for (Eigen::Index b = 0; b < nodes.size(); ++b) {
+          entries.emplace_back(nodes[a], nodes[b], mass * N[a] * N[b]);
+        }
+      }
+    };
+    if (!mesh.is_quadratic()) {
+      add(Eigen::Vector4i(mesh.tets.col(e)), Eigen::Vector4d(Eigen::Vector4d::Constant(0.25)),
+          density * shape_gradients(mesh, e).volume);
+      continue;
+    }
+    for (const auto& [L, weight] : four_point_rule()) {
+      const QuadraticShape shape = quadratic_shape(L);
+      add(quadratic_nodes(mesh, e), shape.N,
+          density * weight * quadratic_gradients(mesh, e, shape).volume);
+    }
+  }
+  Eigen::SparseMatrix<double> M(mesh.node_count(), mesh.node_count());
+  M.setFromTriplets(entries.begin(), entries.end());
+  return M;
+}
+
+TEST_CASE("CalculiX finds the same frequencies on the same mesh", "[calculix][vibration]") {
+  if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
+  constexpr double kDensity = 1070;
+  // Soft and stiff, so that the units of decks differ; a block, and a slender one whose lowest
+  // modes are 30 times slower.
+  for (const double E : {60e3, 2e9}) {
+    for (const int kind : {0, 1, 2}) {
+      SolidModel model = block(material_from_young("saint-venant-kirchhoff", E, 0.4));
+      if (kind == 1) model.mesh = with_edge_nodes(model.mesh);
+      if (kind == 2) model.mesh = with_edge_nodes(box_tets({0, 0, 0}, {0.01, 0.02, 0.2}, 1, 2, 12));
+      model.fixed_nodes.clear();
+      for (int n = 0; n < model.mesh.node_count(); ++n) {
+        if (model.mesh.nodes(2, n) == 0.0) model.fixed_nodes.push_back(n);
+      }
+      const LoadResponse body(model);
+      const VibrationModes own = vibration_modes(body, kDensity, {.least = 12, .below = 0});
+      const VibrationModes with_their_mass =
+          vibration_modes(body, mass_of_calculix(model.mesh, kDensity), {.least = 12, .below = 0});
+      const std::vector<double> theirs = frequencies_by_calculix(model, kDensity, 12);
+      INFO("E = " << E << ", body " << kind);
+      for (int k = 0; k < 12; ++k) {
+        INFO("mode " << k << ": " << own.omega[k] << ", with CalculiX' mass "
+                     << with_their_mass.omega[k] << ", by CalculiX " << theirs[k] << " rad/s");
+        CHECK(std::abs(with_their_mass.omega[k] - theirs[k]) <=
+              tolerance(1e-6, "seven printed digits of omega^2, the same elements") * theirs[k]);
+        // The slender body has five quadratic elements and more in a wave of these modes.
+        if (kind != 2) continue;
+        CHECK(std::abs(own.omega[k] - theirs[k]) <=
+              tolerance(1e-3, "CalculiX' rule for the mass") * theirs[k]);
+      }
+    }
+  }
+}
+
+TEST_CASE("of a block of 10-node tetrahedra CalculiX finds our frequencies within a thousandth",
+          "[calculix][vibration][long]") {
+  if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
+  SolidModel model = block(material_from_young("saint-venant-kirchhoff", 60e3, 0.4));
+  model.mesh = with_edge_nodes(box_tets({0, 0, 0}, {0.1, 0.08, 0.06}, 9, 7, 6));
+  model.fixed_nodes.clear();
+  for (int n = 0; n < model.mesh.node_count(); ++n) {
+    if (model.mesh.nodes(2, n) == 0.0) model.fixed_nodes.push_back(n);
+  }
+  const VibrationModes own = vibration_modes(LoadResponse(model), 1070, {.least = 12, .below = 0});
+  const std::vector<double> theirs = frequencies_by_calculix(model, 1070, 12);
+  for (int k = 0; k < 12; ++k) {
+    INFO("mode " << k << ": " << own.omega[k] << ", by CalculiX " << theirs[k] << " rad/s");
+    CHECK(std::abs(own.omega[k] - theirs[k]) <=
+          tolerance(1e-3, "CalculiX' rule for the mass") * theirs[k]);
+  }
+}
+
+TEST_CASE("a law that is not asked of CalculiX for its vibration is refused",
+          "[calculix][errors]") {
+  CHECK_THROWS_WITH(frequencies_by_calculix(block(), 1000, 3),
+                    Contains("neo-hooke-abaqus") && Contains("saint-venant-kirchhoff"));
 }
 
 TEST_CASE("where CalculiX gives up, the states reached so far are returned", "[calculix]") {

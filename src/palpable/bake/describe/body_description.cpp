@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -236,6 +237,13 @@ void read_material(TomlSection section, BodyDescription& body) {
     body.groups.push_back(std::move(part));
   }
   body.material = read_law(section, body.material.law);
+  if (section.has("density")) body.inertia = {.density = read_density(section)};
+  if (section.has("loss_factor")) {
+    const double loss_factor = section.number("loss_factor", {0.0, 1.0, false, true});
+    // Without [material] density the one of [gravity], which is read later, may serve.
+    if (!body.inertia) body.inertia = BodyDescription::Inertia{.density = 0};
+    body.inertia->loss_factor = loss_factor;
+  }
   section.refuse_unknown();
 }
 
@@ -344,16 +352,40 @@ void read_supports(TomlSection& root, BodyDescription& body) {
       sections.size() == 1 ? body.supports[0].where.place : sections.front().place();
 }
 
+// The density of the body in [gravity], which may be stated in [material], too.
+double gravity_density(TomlSection& section, BodyDescription& body) {
+  const bool is_known = body.inertia && body.inertia->density > 0;
+  if (!section.has("density") && is_known) return body.inertia->density;
+  const double density = read_density(section);
+  // "1.07 g/cm^3" and "1070 kg/m^3" differ by rounding.
+  if (is_known && std::abs(body.inertia->density - density) > 1e-9 * density) {
+    section.bad(
+        "density",
+        fmt::format("is {} kg/m^3, and 'density' in [material] is {} kg/m^3: a body has one; "
+                    "leave out the one in [gravity]",
+                    number_text(density), number_text(body.inertia->density)));
+  }
+  if (!body.inertia) body.inertia = BodyDescription::Inertia{.density = 0};
+  if (!is_known) body.inertia->density = density;
+  return density;
+}
+
 void read_loads(TomlSection& root, BodyDescription& body) {
   if (root.has("gravity")) {
     TomlSection section = root.section("gravity");
-    BodyDescription::Gravity gravity{read_density(section)};
+    BodyDescription::Gravity gravity{gravity_density(section, body)};
     gravity.place = section.place();
     if (section.has("acceleration")) {
       gravity.acceleration = section.quantities("acceleration", Quantity::kAcceleration);
     }
     section.refuse_unknown();
     body.gravity = gravity;
+  }
+  if (body.inertia && body.inertia->density == 0) {
+    throw Error(fmt::format(
+        "{} has a 'loss_factor', which damps a vibration, and no 'density': add density = \"1000 "
+        "kg/m^3\" or the like",
+        body.material.place));
   }
   for (TomlSection& section : root.sections("pressure")) {
     BodyDescription::Pressure load{
@@ -480,6 +512,10 @@ void read_touch(TomlSection section, BodyDescription& body) {
     touch.held_out = section.integer("held_out", 0, 1000);
   }
   touch.friction = section.number("friction", {0.0, 10.0}, touch.friction);
+  if (section.has("modes")) {
+    if (touch.tables == Tables::kNone) section.bad("modes", "is of tables, and there are none");
+    touch.modes = section.integer("modes", 0, 200);
+  }
   section.refuse_unknown();
 }
 

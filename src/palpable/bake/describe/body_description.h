@@ -83,6 +83,13 @@ struct BodyDescription {
     std::string place = {};              ///< prefix of messages about it
   } material;
 
+  /// What makes the body heavy and damps its vibration; of all its materials alike.
+  struct Inertia {
+    double density = 0;      ///< kg/m^3; that of [gravity] where [material] states none
+    double loss_factor = 0;  ///< 0 <= eta < 1; of a vibration, see VibrationTable::damping()
+  };
+  std::optional<Inertia> inertia = {};  ///< none: no density is stated
+
   /// Elements of another material, chosen by their middles.
   struct MaterialPart {
     MaterialLaw material;
@@ -185,6 +192,8 @@ struct BodyDescription {
     int held_out = 20;  ///< held-out touches, to measure the error of tables
     /// Coulomb's coefficient of friction of the skin; 0: none, as in descriptions without the key.
     double friction = 0;
+    /// Vibration modes, at least, of a body with a density; 0: none.
+    int modes = 20;
   } touch;
 
   /// A travelling load, for `bake --intrusive`, which uses neither a campaign nor its

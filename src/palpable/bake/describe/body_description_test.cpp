@@ -339,6 +339,59 @@ TEST_CASE("weight and pressures act on a body all the while", "[describe][descri
   CHECK_THAT(refused("[[pressure]]\npressure = '2 N'\nabove = 0.5\n"), Contains("60 kPa"));
 }
 
+// The usual body with more keys in [material], and more sections.
+BodyDescription heavy(const std::string& material, const std::string& sections = "") {
+  return parse_body_description(with("poisson = 0.3\n", "poisson = 0.3\n" + material) + sections,
+                                "dir/cube.toml");
+}
+std::string heavy_refused(const std::string& material, const std::string& sections = "") {
+  return complaint(with("poisson = 0.3\n", "poisson = 0.3\n" + material) + sections);
+}
+
+TEST_CASE("a density makes a body heavy, wherever it stands", "[describe][description]") {
+  CHECK_FALSE(heavy("").inertia.has_value());
+  const BodyDescription rubber = heavy("density = '1.07 g/cm^3'\nloss_factor = 0.15\n");
+  CHECK(rubber.inertia.value().density == Approx(1070));
+  CHECK(rubber.inertia->loss_factor == 0.15);
+  CHECK_FALSE(rubber.gravity.has_value());
+  CHECK(rubber.touch.modes == 20);
+  CHECK(heavy("density = '1070 kg/m3'\n").inertia.value().loss_factor == 0);
+
+  // In [gravity] alone, as in 0.1; with the loss factor in [material].
+  const BodyDescription weighed =
+      heavy("loss_factor = 0.1\n", "[gravity]\ndensity = '1070 kg/m^3'\n");
+  CHECK(weighed.inertia.value().density == Approx(1070));
+  CHECK(weighed.inertia->loss_factor == 0.1);
+  CHECK(weighed.gravity.value().density == Approx(1070));
+  // In [material] alone it serves gravity as well.
+  CHECK(heavy("density = '1.07 g/cm^3'\n", "[gravity]\n").gravity.value().density == Approx(1070));
+  // In both, the same in other units.
+  CHECK(heavy("density = '1.07 g/cm^3'\n", "[gravity]\ndensity = '1070 kg/m^3'\n")
+            .inertia.value()
+            .density == Approx(1070));
+  CHECK_THAT(heavy_refused("density = '1.07 g/cm^3'\n", "[gravity]\ndensity = '1080 kg/m^3'\n"),
+             StartsWith("dir/cube.toml:25: 'density' in [gravity] is 1080 kg/m^3") &&
+                 Contains("'density' in [material] is 1070 kg/m^3"));
+
+  CHECK_THAT(heavy_refused("density = 1070\n"), Contains("'density' in [material] must be a text"));
+  CHECK_THAT(heavy_refused("density = '0 kg/m^3'\n"), Contains("must be above 0"));
+  CHECK_THAT(heavy_refused("density = '1070 g/cm^3'\n"), Contains("denser than osmium"));
+  CHECK_THAT(heavy_refused("density = '1 g/cm^3'\nloss_factor = 1\n"),
+             Contains("'loss_factor' in [material]") && Contains("below 1"));
+  CHECK_THAT(heavy_refused("density = '1 g/cm^3'\nloss_factor = -0.1\n"),
+             Contains("'loss_factor' in [material]"));
+  CHECK_THAT(heavy_refused("loss_factor = 0.1\n"), StartsWith("dir/cube.toml:") &&
+                                                       Contains("[material] has a 'loss_factor'") &&
+                                                       Contains("no 'density'"));
+
+  CHECK(heavy("", "[touch]\nmodes = 0\n").touch.modes == 0);
+  CHECK(heavy("", "[touch]\nmodes = 33\n").touch.modes == 33);
+  CHECK_THAT(heavy_refused("", "[touch]\nmodes = 201\n"), Contains("'modes' in [touch]"));
+  CHECK_THAT(heavy_refused("", "[touch]\nmodes = -1\n"), Contains("'modes' in [touch]"));
+  CHECK_THAT(heavy_refused("", "[touch]\ntables = 'none'\nmodes = 5\n"),
+             Contains("'modes' in [touch] is of tables, and there are none"));
+}
+
 TEST_CASE("sites are counted, listed as points or named, and pressed in a direction",
           "[describe][description]") {
   using Sites = BodyDescription::Sites;

@@ -123,9 +123,10 @@ double bytes_of_regions(const SkinResponse& skin, const Compliance& compliance,
   return bytes;
 }
 
-TouchCounts touch_counts(const BodyDescription::Touch& wanted, const MeshCounts& mesh, bool carries,
+TouchCounts touch_counts(const BodyDescription& description, const MeshCounts& mesh, bool carries,
                          const SkinResponse& skin) {
-  TouchBakeSettings settings = touch_settings(wanted, 1);
+  const BodyDescription::Touch& wanted = description.touch;
+  TouchBakeSettings settings = touch_settings(description, 1);
   if (wanted.tables == WantedTables::kLinear) settings.regions.most = settings.cross.modes = 0;
   TouchTables tables;
   tables.shell = make_shell(skin);
@@ -139,10 +140,12 @@ TouchCounts touch_counts(const BodyDescription::Touch& wanted, const MeshCounts&
                          std::count(skin.fixed().begin(), skin.fixed().end(), std::uint8_t{1})),
                      .regions = static_cast<int>(middles.size()),
                      .cross_modes = settings.cross.modes,
-                     .held_out = wanted.held_out};
+                     .held_out = wanted.held_out,
+                     .vibration_modes = settings.inertia ? settings.inertia->modes : 0};
   counts.table_bytes =
       static_cast<double>(bytes_of(tables)) +
       bytes_of_regions(skin, Compliance(tables.compliance), middles, settings.regions);
+  counts.table_bytes += 3.0 * sizeof(float) * counts.vibration_modes * counts.shell;
   if (settings.cross.modes > 0) {
     counts.table_bytes += bytes_of_rows(3.0 * counts.shell, settings.cross.modes) +
                           bytes_of_form(settings.cross.modes, 3);
@@ -197,7 +200,7 @@ void count_solids(const BodyDescription& description, const BodyProblem& problem
     counted.costs.touch = costs_on(skin.body(), thread_cpu_seconds() - begin);
     if (!coarse) counted.costs.body = counted.costs.touch;
     const MeshCounts mesh = coarse ? counts_of(*coarse) : counted.counts.body;
-    counted.counts.touch = touch_counts(description.touch, mesh, coarse.has_value(), skin);
+    counted.counts.touch = touch_counts(description, mesh, coarse.has_value(), skin);
   }
   report(progress, {"measuring this machine", 1.0, 1.0, ""});
 }

@@ -31,6 +31,7 @@ struct TouchCounts {
   int regions = 0;  ///< 0: linear tables
   int cross_modes = 0;
   int held_out = 0;  ///< touches
+  int vibration_modes = 0;
   double table_bytes = 0;
 };
 

@@ -44,6 +44,10 @@ struct Model {
   static constexpr double region_points = 4100, region_density = 24e6, region_power = 0.6;
   static constexpr double cross_points = 0.12;  // share of the elements that enter its energy
   static constexpr double eigen_flops = 25;     // n^3 times this: eigenvectors of n x n numbers
+  // Vectors of the Lanczos basis of vibration modes. Solves of eight together cost more each than
+  // the 48 of MeshCosts; the basis is multiplied with each of its vectors three times.
+  static constexpr double lanczos_per_mode = 3, lanczos_least = 50;
+  static constexpr double lanczos_solves = 1.8, lanczos_products = 12;
   // One held-out touch, in factors: 13 where a square metre of the skin has 22,000 vertices, and
   // more of a finer skin, since more of its points are in contact.
   static constexpr double held_out_factors = 13, skin_density = 22e3, skin_power = 0.42;
@@ -103,6 +107,14 @@ void add_tables(const TouchCounts& touch, const MeshCosts& costs, double flop,
           costs.solve +
       passes * costs.pass;
   stages.push_back({"compliance", Model::table_overhead * linear, true});
+  if (touch.vibration_modes > 0) {
+    const double vectors = Model::lanczos_per_mode * touch.vibration_modes + Model::lanczos_least;
+    stages.push_back({"vibration modes",
+                      Model::lanczos_solves * vectors * costs.solve +
+                          touch.vibration_modes * costs.pass +
+                          Model::lanczos_products * flop * vectors * vectors * rows,
+                      false});
+  }
   if (touch.regions > 0) {
     const double loads = 2.0 * region.loads;
     const double points = std::min<double>(

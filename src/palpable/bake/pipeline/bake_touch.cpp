@@ -66,7 +66,8 @@ class Stages {
 
 }  // namespace
 
-TouchBakeSettings touch_settings(const BodyDescription::Touch& wanted, int threads) {
+TouchBakeSettings touch_settings(const BodyDescription& description, int threads) {
+  const BodyDescription::Touch& wanted = description.touch;
   TouchBakeSettings settings;
   settings.threads = threads;
   settings.friction = wanted.friction;
@@ -76,6 +77,11 @@ TouchBakeSettings touch_settings(const BodyDescription::Touch& wanted, int threa
   if (wanted.cluster_modes) settings.compliance.rank = *wanted.cluster_modes;
   if (wanted.region_modes) settings.regions.modes = *wanted.region_modes;
   if (wanted.leading_modes) settings.regions.leading = *wanted.leading_modes;
+  if (description.inertia && wanted.modes > 0) {
+    settings.inertia = {.density = description.inertia->density,
+                        .loss_factor = description.inertia->loss_factor,
+                        .modes = wanted.modes};
+  }
   settings.regions.leading = std::min(settings.regions.leading, settings.regions.modes);
   return settings;
 }
@@ -101,7 +107,7 @@ std::string bake_touch(const BodyDescription& description, const CampaignPlan& p
       coarse ? FullBody(coarse->model, coarse->mesh.boundary, coarse->preload,
                         {.tolerance = kSnapshotTolerance})
              : FullBody(plan.model, plan.boundary, plan.preload, {.tolerance = kSnapshotTolerance});
-  const TouchBakeSettings settings = touch_settings(wanted, threads);
+  const TouchBakeSettings settings = touch_settings(description, threads);
   TouchBakeSettings linear = settings;
   linear.regions.most = linear.cross.modes = 0;
   Stages stages(body, coarse.has_value(), store, use, progress);

@@ -36,7 +36,7 @@ std::string bake_touch(const BodyDescription& description, const CampaignPlan& p
                        const Progress& progress = {});
 
 /// How the full tables of a description are made. Linear ones have no regions and no cross modes.
-[[nodiscard]] TouchBakeSettings touch_settings(const BodyDescription::Touch& wanted, int threads);
+[[nodiscard]] TouchBakeSettings touch_settings(const BodyDescription& description, int threads);
 
 /// How far the bake of these tables had come: before kFinished, more of them were requested.
 [[nodiscard]] BodyStage kept_touch_stage(const SnapshotStore& store);

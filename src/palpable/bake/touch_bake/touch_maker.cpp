@@ -120,6 +120,18 @@ ComplianceTable find_or_make_compliance(const SkinResponse& skin, const TouchBak
   return made;
 }
 
+VibrationTable find_or_make_vibration(const SkinResponse& skin, const InertiaSettings& settings,
+                                      const ComplianceTable& compliance, const TouchKeys& keys,
+                                      const Progress& progress, const TouchStore* store) {
+  if (store != nullptr) {
+    if (auto kept = store->find_vibration(keys)) return std::move(*kept);
+  }
+  VibrationTable made = make_vibration(skin, settings, progress);
+  expect_residual_compliance(skin, compliance, made);
+  if (store != nullptr) store->keep(keys, made);
+  return made;
+}
+
 constexpr int kCross = -1;  // stands for the cross terms in a list of numbers of regions
 
 // Reads what the store has into `tables`. @returns numbers of the regions (or kCross) that it lacks
@@ -153,6 +165,10 @@ TouchTables make_touch_tables(const SkinResponse& skin, const TouchBakeSettings&
   tables.shell = make_shell(skin);
   if (store != nullptr && !store->find_shell(keys)) store->keep(keys, tables.shell);
   tables.compliance = find_or_make_compliance(skin, settings, keys, progress, store);
+  if (settings.inertia) {
+    tables.vibration =
+        find_or_make_vibration(skin, *settings.inertia, tables.compliance, keys, progress, store);
+  }
   const std::vector<int> middles =
       spread_vertices(skin, settings.regions.spacing, settings.regions.most);
   const std::vector<int> missing = read_stored(middles, settings, keys, store, tables);

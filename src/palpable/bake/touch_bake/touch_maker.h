@@ -7,8 +7,11 @@
 #include "palpable/bake/touch_bake/region_maker.h"
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/bake/touch_bake/touch_store.h"
+#include "palpable/bake/touch_bake/vibration_maker.h"
 #include "palpable/common/base/progress.h"
 #include "palpable/common/response/touch_tables.h"
+
+#include <optional>
 
 namespace palpable {
 
@@ -28,8 +31,9 @@ struct TouchBakeSettings {
   ComplianceSettings compliance{};
   RegionSettings regions{};
   CrossSettings cross{};
-  double point_spacing = 0.002;  ///< m, between contact points
-  double friction = 0;           ///< TouchTables::friction; only held-out touches depend on it
+  std::optional<InertiaSettings> inertia{};  ///< none: no vibration modes
+  double point_spacing = 0.002;              ///< m, between contact points
+  double friction = 0;  ///< TouchTables::friction; only held-out touches depend on it
   int threads = 1;
 };
 
@@ -42,7 +46,7 @@ struct TouchBakeSettings {
 /// threads, and whether tables were computed or read from the store.
 /// @param store  where each table is looked up first and stored as soon as it is finished; nullptr:
 ///               all tables are computed and none is stored
-/// @throws Error as LoadResponse, and when a table cannot be written
+/// @throws Error as LoadResponse and make_vibration(), and when a table cannot be written
 [[nodiscard]] TouchTables make_touch_tables(const SkinResponse& skin,
                                             const TouchBakeSettings& settings,
                                             const Progress& progress = {},

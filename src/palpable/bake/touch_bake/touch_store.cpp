@@ -138,6 +138,13 @@ TouchKeys touch_keys(const SkinResponse& skin, const TouchBakeSettings& settings
     keys.cross = digest.value();
   }
   keys.shell = body.value();
+  if (settings.inertia) {
+    const auto& [density, loss_factor, modes, below] = *settings.inertia;
+    Digest digest(keys.compliance);  // with which they are compared
+    digest.add(modes);
+    for (const double number : {density, loss_factor, below}) digest.add(number);
+    keys.vibration = digest.value();
+  }
   return keys;
 }
 
@@ -163,6 +170,10 @@ std::optional<CrossTable> TouchStore::find_cross(const TouchKeys& keys) const {
 
 std::optional<ShellTable> TouchStore::find_shell(const TouchKeys& keys) const {
   return find<ShellTable>(folder_ / "shell.h5", keys.shell);
+}
+
+std::optional<VibrationTable> TouchStore::find_vibration(const TouchKeys& keys) const {
+  return find<VibrationTable>(folder_ / "vibration.h5", keys.vibration);
 }
 
 std::optional<SolvedTouches> TouchStore::find_held_out(const TouchKeys& keys) const {
@@ -201,6 +212,11 @@ void TouchStore::keep(const TouchKeys& keys, const ShellTable& table) const {
   write_file(folder_ / "shell.h5", kTableKind, keys.shell, [&](hid_t h) { write_group(h, table); });
 }
 
+void TouchStore::keep(const TouchKeys& keys, const VibrationTable& table) const {
+  write_file(folder_ / "vibration.h5", kTableKind, keys.vibration,
+             [&](hid_t h) { write_group(h, table); });
+}
+
 void TouchStore::keep(const TouchKeys& keys, const SolvedTouches& touches) const {
   std::vector<int> numbers;
   std::vector<HeldOutTouch> solved;
@@ -225,6 +241,7 @@ void TouchStore::keep_list(std::uint64_t of, const TouchKeys& keys, const TouchT
     hdf5::write_text(h, "regions", key_text(keys.regions));
     hdf5::write_text(h, "cross",
                      tables.cross.cubic.variables > 0 ? key_text(keys.cross) : std::string());
+    if (tables.vibration) hdf5::write_text(h, "vibration", key_text(keys.vibration));
     hdf5::write_text(h, "held_out", keys.held_out != 0 ? key_text(keys.held_out) : std::string());
     hdf5::write_number(h, "region_reach", tables.region_reach);
     hdf5::write_number(h, "point_spacing", tables.point_spacing);
@@ -259,6 +276,8 @@ std::optional<TouchTables> TouchStore::find_listed(std::uint64_t of) const {
     const std::string cross = hdf5::read_text(h, "cross");
     has_cross = !cross.empty();
     keys.cross = key_of(cross);
+    // Lists of 0.1 have none.
+    if (hdf5::has(h, "vibration")) keys.vibration = key_of(hdf5::read_text(h, "vibration"));
     keys.held_out = key_of(hdf5::read_text(h, "held_out"));
     tables.region_reach = hdf5::read_number(h, "region_reach");
     tables.point_spacing = hdf5::read_number(h, "point_spacing");
@@ -286,6 +305,10 @@ std::optional<TouchTables> TouchStore::find_listed(std::uint64_t of) const {
     auto cross = find_cross(keys);
     if (!cross) return std::nullopt;
     tables.cross = std::move(*cross);
+  }
+  if (keys.vibration != 0) {
+    tables.vibration = find_vibration(keys);
+    if (!tables.vibration) return std::nullopt;
   }
   // The tables can be used without the held-out touches.
   if (keys.held_out != 0) {

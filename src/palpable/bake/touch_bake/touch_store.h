@@ -25,7 +25,8 @@ struct TouchKeys {
   std::uint64_t regions = 0;  ///< common to all; a region's own key also includes its vertex
   std::uint64_t cross = 0;
   std::uint64_t shell = 0;
-  std::uint64_t held_out = 0;  ///< of the held-out touches, held_out_key(); 0: there are none
+  std::uint64_t vibration = 0;  ///< 0: the body has no density, or wants no modes
+  std::uint64_t held_out = 0;   ///< of the held-out touches, held_out_key(); 0: there are none
 
   [[nodiscard]] bool operator==(const TouchKeys&) const = default;
 };
@@ -52,6 +53,7 @@ class TouchStore {
   [[nodiscard]] std::optional<RegionTable> find_region(const TouchKeys& keys, int vertex) const;
   [[nodiscard]] std::optional<CrossTable> find_cross(const TouchKeys& keys) const;
   [[nodiscard]] std::optional<ShellTable> find_shell(const TouchKeys& keys) const;
+  [[nodiscard]] std::optional<VibrationTable> find_vibration(const TouchKeys& keys) const;
   [[nodiscard]] std::optional<SolvedTouches> find_held_out(const TouchKeys& keys) const;
 
   /// @throws Error when the file cannot be written, e.g. on a full disk
@@ -59,6 +61,7 @@ class TouchStore {
   void keep(const TouchKeys& keys, const RegionTable& table) const;
   void keep(const TouchKeys& keys, const CrossTable& table) const;
   void keep(const TouchKeys& keys, const ShellTable& table) const;
+  void keep(const TouchKeys& keys, const VibrationTable& table) const;
   void keep(const TouchKeys& keys, const SolvedTouches& touches) const;
 
   /// Writes a list that names the keys of a campaign's complete tables. `bake` writes it, so that

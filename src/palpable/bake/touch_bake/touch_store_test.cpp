@@ -117,6 +117,31 @@ TEST_CASE("a list says which tables belong to a campaign", "[touch_bake][files]"
   CHECK_FALSE(store.find_listed(11));
 }
 
+TEST_CASE("vibration modes are stored, and a list that names them needs them",
+          "[touch_bake][files]") {
+  const ScratchFolder folder("touch_store");
+  const TouchStore store(folder / "touch");
+  TouchTables tables = some_tables();
+  tables.vibration = test::some_vibration(tables.shell.nodes());
+  TouchKeys keys{1, 2, 3, 4};
+  keys.vibration = 6;
+  store.keep(keys, tables.compliance);
+  store.keep(keys, tables.cross);
+  store.keep(keys, tables.shell);
+  for (const RegionTable& region : tables.regions) store.keep(keys, region);
+  store.keep_list(11, keys, tables);
+  CHECK_FALSE(store.find_listed(11));
+  store.keep(keys, *tables.vibration);
+  CHECK(store.find_vibration(keys).value().shapes == tables.vibration->shapes);
+  CHECK(store.find_listed(11).value().vibration.value().omega == tables.vibration->omega);
+  keys.vibration = 7;
+  CHECK_FALSE(store.find_vibration(keys));
+  // A list of tables without modes gives none, even if the file is there.
+  tables.vibration.reset();
+  store.keep_list(11, keys, tables);
+  CHECK_FALSE(store.find_listed(11).value().vibration.has_value());
+}
+
 TEST_CASE("held-out touches solved so far are stored with their numbers", "[touch_bake][files]") {
   const ScratchFolder folder("touch_store");
   const TouchStore store(folder / "touch");
@@ -220,6 +245,15 @@ TEST_CASE("a table's key changes with everything that the table is computed from
   const TouchKeys reach = with([](auto& s) { s.regions.reach = 0.02; });
   CHECK((reach.compliance == keys.compliance && reach.regions != keys.regions &&
          reach.cross == keys.cross));
+  CHECK(keys.vibration == 0);
+  const TouchKeys heavy = with([](auto& s) { s.inertia = {.density = 1000}; });
+  CHECK((heavy.vibration != 0 && heavy.compliance == keys.compliance));
+  for (const InertiaSettings& other :
+       {InertiaSettings{.density = 1001}, InertiaSettings{.density = 1000, .loss_factor = 0.1},
+        InertiaSettings{.density = 1000, .modes = 21},
+        InertiaSettings{.density = 1000, .below = 300}}) {
+    CHECK(with([&](auto& s) { s.inertia = other; }).vibration != heavy.vibration);
+  }
   const TouchKeys pairs = with([](auto& s) { s.cross.pairs = 10; });
   CHECK((pairs.compliance == keys.compliance && pairs.regions == keys.regions &&
          pairs.cross != keys.cross));

@@ -34,6 +34,7 @@ void write_touch(hid_t file, const TouchTables& tables) {
   if (tables.cross.cubic.variables > 0) { write_group(hdf5::make_group(g, "cross"), tables.cross); }
   write_group(hdf5::make_group(g, "shell"), tables.shell);
   if (!tables.held_out.empty()) write_group(hdf5::make_group(g, "held_out"), tables.held_out);
+  if (tables.vibration) write_group(hdf5::make_group(g, "vibration"), *tables.vibration);
 }
 
 // Reads a table; errors within its group are reported with the group's name.
@@ -73,6 +74,8 @@ std::optional<TouchTables> read_touch(hid_t file, const ReducedBody& body) {
   if (hdf5::has_link(g, "held_out")) {
     tables.held_out = table_of<std::vector<HeldOutTouch>>(g, "held_out");
   }
+  // Files older than vibration modes have none, nor have those of bodies without a density.
+  if (hdf5::has_link(g, "vibration")) tables.vibration = table_of<VibrationTable>(g, "vibration");
   const std::string trouble = trouble_of(tables, body.surface);
   require(trouble.empty(), "touch: " + trouble);
   return tables;

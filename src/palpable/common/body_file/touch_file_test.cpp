@@ -82,6 +82,14 @@ void check_same(const TouchTables& a, const TouchTables& b) {
   CHECK(a.shell.first == b.shell.first);
   CHECK(a.shell.points == b.shell.points);
   CHECK(a.shell.weights == b.shell.weights);
+  REQUIRE(a.vibration.has_value() == b.vibration.has_value());
+  if (a.vibration) {
+    CHECK(a.vibration->omega == b.vibration->omega);
+    CHECK(a.vibration->shapes == b.vibration->shapes);
+    CHECK(a.vibration->loss_factor == b.vibration->loss_factor);
+    CHECK(a.vibration->density == b.vibration->density);
+    CHECK(a.vibration->mass == b.vibration->mass);
+  }
   REQUIRE(a.held_out.size() == b.held_out.size());
   for (std::size_t k = 0; k < a.held_out.size(); ++k) {
     CHECK(a.held_out[k].thing == b.held_out[k].thing);
@@ -112,6 +120,7 @@ TEST_CASE("tables of touch come back from a body file to the last bit", "[body_f
     INFO(regions << " regions");
     TouchTables tables = test::some_touch_tables(body.surface, regions);
     if (regions > 0) tables.friction = 0.61;
+    if (regions > 0) tables.vibration = test::some_vibration(tables.shell.nodes());
     write_touchable_body(folder / "ball.palpable", body, tables);
     const TouchableBody again = value_or_throw(read_touchable_body(folder / "ball.palpable"));
     CHECK(again.body.surface.vertices == body.surface.vertices);
@@ -317,6 +326,44 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
   check_refused(good, faults);
 }
 
+TEST_CASE("vibration modes that break a rule are named, and not written over a good file",
+          "[body_file][errors]") {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  TouchTables good = test::some_touch_tables(ball().surface);
+  good.vibration = test::some_vibration(good.shell.nodes());
+  check_refused(
+      good,
+      {{"the vibration modes are wrong in their number",
+        [](auto& t) {
+          t.vibration->omega.clear();
+          t.vibration->shapes.resize(0, t.vibration->shapes.cols());
+        }},
+       {"the vibration modes are wrong in their number",
+        [](auto& t) { t.vibration = test::some_vibration(43, kMostVibrationModes + 1); }},
+       {"the vibration modes are wrong in their frequencies",
+        [](auto& t) { t.vibration->omega[2] = NAN; }},
+       {"the vibration modes are wrong in their frequencies",
+        [](auto& t) { t.vibration->omega[0] = 0; }},
+       {"the vibration modes are wrong in their frequencies",
+        [](auto& t) { t.vibration->omega[1] = t.vibration->omega[0] - 1; }},
+       {"the vibration modes are wrong in their frequencies",
+        [](auto& t) { t.vibration->omega[4] = std::numeric_limits<double>::infinity(); }},
+       {"the vibration modes are wrong in the size of their shapes",
+        [](auto& t) { t.vibration->shapes.conservativeResize(5, 3 * 42); }},
+       {"the vibration modes are wrong in the size of their shapes",
+        [](auto& t) { t.vibration->shapes.conservativeResize(4, 3 * 43); }},
+       {"the vibration modes are wrong in a shape",
+        [](auto& t) { t.vibration->shapes(3, 17) = kNan; }},
+       {"the vibration modes are wrong in the loss factor",
+        [](auto& t) { t.vibration->loss_factor = 1; }},
+       {"the vibration modes are wrong in the loss factor",
+        [](auto& t) { t.vibration->loss_factor = -0.1; }},
+       {"the vibration modes are wrong in the loss factor",
+        [](auto& t) { t.vibration->loss_factor = NAN; }},
+       {"the vibration modes are wrong in the density", [](auto& t) { t.vibration->density = 0; }},
+       {"the vibration modes are wrong in the mass", [](auto& t) { t.vibration->mass = -1; }}});
+}
+
 TEST_CASE("a shell that breaks a rule is named, and not written over a good file",
           "[body_file][errors]") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -390,7 +437,8 @@ std::function<void(hid_t)> table(const char* name, Value value, hsize_t rows, hs
 void check_refused(const FileFaults& faults) {
   const ScratchFolder folder("touch_file");
   const fs::path path = folder / "ball.palpable";
-  const TouchTables good = test::some_touch_tables(ball().surface);
+  TouchTables good = test::some_touch_tables(ball().surface);
+  good.vibration = test::some_vibration(good.shell.nodes());
   for (const auto& [expected, spoil] : faults) {
     write_spoilt(path, good, spoil);
     const Result<TouchableBody> read = read_touchable_body(path);
@@ -501,6 +549,38 @@ TEST_CASE("a shell that breaks a rule within a file is refused by name when it i
        table("held_out/unscaled_error", NAN, 2, 1)},
   };
   check_refused(faults);
+}
+
+TEST_CASE("vibration modes that break a rule within a file are refused by name when it is read",
+          "[body_file][errors]") {
+  check_refused({
+      {"touch/vibration: dataset 'omega' is missing", without("vibration/omega")},
+      {"touch/vibration: dataset 'shapes' is missing", without("vibration/shapes")},
+      {"touch/vibration: attribute 'mass' is missing",
+       [](hid_t touch) { REQUIRE(H5Adelete(hdf5::open_group(touch, "vibration"), "mass") >= 0); }},
+      {"touch/vibration: dataset 'omega' is not one column", table("vibration/omega", 40.0, 1, 5)},
+      {"touch/vibration: dataset 'omega' does not hold floating-point numbers",
+       table("vibration/omega", 40, 5, 1)},
+      {"touch/vibration: shapes are not of as many modes as 'omega'",
+       table("vibration/omega", 40.0, 4, 1)},
+      {"touch/vibration: shapes are not of as many modes as 'omega'",
+       table("vibration/shapes", 1.0f, 5, 3 * 43)},
+      {"touch: the vibration modes are wrong in the size of their shapes",
+       table("vibration/shapes", 1.0f, 3 * 42, 5)},
+      {"touch: the vibration modes are wrong in a shape",
+       table("vibration/shapes", std::numeric_limits<float>::infinity(), 3 * 43, 5)},
+      {"touch: the vibration modes are wrong in their frequencies",
+       table("vibration/omega", -1.0, 5, 1)},
+      {"touch: the vibration modes are wrong in their number",
+       [](hid_t touch) {
+         table("vibration/omega", 1.0, 0, 1)(touch);
+         table("vibration/shapes", 1.0f, 3 * 43, 0)(touch);
+       }},
+      {"touch: the vibration modes are wrong in the loss factor",
+       number("vibration", "loss_factor", 2)},
+      {"touch: the vibration modes are wrong in the density", number("vibration", "density", -3)},
+      {"touch: the vibration modes are wrong in the mass", number("vibration", "mass", NAN)},
+  });
 }
 
 }  // namespace

@@ -246,6 +246,27 @@ void read_group(hid_t group, std::vector<HeldOutTouch>& touches) {
   for (std::size_t k = 0; k < things.size(); ++k) touches[k].unscaled_error = indicators[k];
 }
 
+void write_group(hid_t group, const VibrationTable& table) {
+  hdf5::write_number(group, "density", table.density);
+  hdf5::write_number(group, "mass", table.mass);
+  hdf5::write_number(group, "loss_factor", table.loss_factor);
+  write_column(group, "omega", table.omega);
+  write_table(group, "shapes", table.shapes.data(), static_cast<hsize_t>(table.shapes.cols()),
+              static_cast<hsize_t>(table.shapes.rows()));
+}
+
+void read_group(hid_t group, VibrationTable& table) {
+  table.density = hdf5::read_number(group, "density");
+  table.mass = hdf5::read_number(group, "mass");
+  table.loss_factor = hdf5::read_number(group, "loss_factor");
+  table.omega = read_column<double>(group, "omega");
+  const Table<float> shapes = read_table<float>(group, "shapes");
+  require(shapes.columns == table.omega.size(), "shapes are not of as many modes as 'omega'");
+  table.shapes = Eigen::Map<const Eigen::MatrixXf>(shapes.data.data(),
+                                                   static_cast<Eigen::Index>(shapes.columns),
+                                                   static_cast<Eigen::Index>(shapes.rows));
+}
+
 void write_group(hid_t group, const ModalTables& tables) {
   hdf5::write_number(group, "half_space", tables.half_space);
   if (tables.friction > 0) hdf5::write_number(group, "friction", tables.friction);

@@ -20,6 +20,7 @@ void write_group(hid_t group, const RegionTable& table);
 void write_group(hid_t group, const CrossTable& table);
 void write_group(hid_t group, const ShellTable& table);
 void write_group(hid_t group, const std::vector<HeldOutTouch>& touches);
+void write_group(hid_t group, const VibrationTable& table);
 void write_group(hid_t group, const ModalTables& tables);
 
 void read_group(hid_t group, CoarseSkin& skin);
@@ -28,6 +29,7 @@ void read_group(hid_t group, RegionTable& table);
 void read_group(hid_t group, CrossTable& table);
 void read_group(hid_t group, ShellTable& table);
 void read_group(hid_t group, std::vector<HeldOutTouch>& touches);
+void read_group(hid_t group, VibrationTable& table);
 void read_group(hid_t group, ModalTables& tables);
 
 }  // namespace palpable

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,8 @@ int order_of(const TouchTables& tables) {
 }
 
 double megabytes(const TouchTables& tables) { return static_cast<double>(bytes_of(tables)) / 1e6; }
+
+double hertz(double omega) { return omega / (2 * std::numbers::pi); }
 
 Json error_scale_json(const std::vector<HeldOutTouch>& touches) {
   const auto scale = error_scale(touches);
@@ -41,6 +44,23 @@ Json held_out_json(const std::vector<HeldOutTouch>& touches) {
 
 }  // namespace
 
+std::string vibration_text(const std::optional<VibrationTable>& table) {
+  if (!table) return "no mass: it follows what presses it, and does not swing back";
+  return fmt::format(
+      "{} vibration modes from {:.3g} to {:.3g} Hz, damping ratio {:g}; {:.3g} kg of {:g} kg/m^3",
+      table->mode_count(), hertz(table->omega.front()), hertz(table->omega.back()),
+      table->damping(), table->mass, table->density);
+}
+
+Json vibration_json(const std::optional<VibrationTable>& table) {
+  if (!table) return nullptr;
+  Json frequencies = Json::array();
+  for (const double omega : table->omega) frequencies.push_back(hertz(omega));
+  return {{"modes", table->mode_count()},      {"frequencies_hz", std::move(frequencies)},
+          {"damping_ratio", table->damping()}, {"loss_factor", table->loss_factor},
+          {"density", table->density},         {"mass", table->mass}};
+}
+
 std::string touch_text(const std::optional<TouchTables>& tables) {
   if (!tables) return "at its sites, one at a time";
   constexpr const char* kOrders[] = {"", "1st order: small touches", "2nd order", "3rd order"};
@@ -52,6 +72,7 @@ std::string touch_text(const std::optional<TouchTables>& tables) {
   }
   if (tables->friction > 0) text += fmt::format("; friction {:g}", tables->friction);
   text += fmt::format("; {:.3g} MB", megabytes(*tables));
+  if (tables->vibration) text += "; " + vibration_text(tables->vibration);
   if (!tables->held_out.empty()) text += "; " + held_out_text(tables->held_out);
   if (const auto scale = error_scale(tables->held_out)) {
     text += fmt::format(
@@ -88,6 +109,7 @@ Json touch_json(const std::optional<TouchTables>& tables) {
       {"cross_modes", tables->cross.cubic.variables},
       {"table_mb", megabytes(*tables)},
       {"friction", tables->friction},
+      {"vibration", vibration_json(tables->vibration)},
       {"held_out", held_out_json(tables->held_out)},
       {"error_estimate_factors", error_scale_json(tables->held_out)}};
 }
@@ -108,6 +130,10 @@ std::string touch_line(const TouchTables& tables) {
   if (tables.cross.cubic.variables > 0) {
     line +=
         fmt::format("; {} modes in which touches act on each other", tables.cross.cubic.variables);
+  }
+  if (tables.vibration) {
+    line += fmt::format("; {} vibration modes up to {:.3g} Hz", tables.vibration->mode_count(),
+                        hertz(tables.vibration->omega.back()));
   }
   if (tables.shell.element_count() > 0) {
     line += fmt::format("; stress from {} elements round the skin with {} nodes",

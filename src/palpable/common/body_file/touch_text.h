@@ -32,6 +32,12 @@ namespace palpable {
 /// difference.
 [[nodiscard]] Json touches_json(const std::vector<HeldOutTouch>& touches);
 
+/// "no mass: it follows what presses it, and does not swing back", or "29 vibration modes from 8.1
+/// to 58.9 Hz, damping ratio 0.05; 0.47 kg of 1070 kg/m^3".
+[[nodiscard]] std::string vibration_text(const std::optional<VibrationTable>& table);
+/// The same as a JSON object; null without modes.
+[[nodiscard]] Json vibration_json(const std::optional<VibrationTable>& table);
+
 /// A line for the provenance: the numbers of modes, regions and neighbours.
 [[nodiscard]] std::string touch_line(const TouchTables& tables);
 

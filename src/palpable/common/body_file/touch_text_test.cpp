@@ -43,6 +43,21 @@ TEST_CASE("the text states whether a body can be touched anywhere, and to which 
   CHECK_THAT(touch_text(tables), Catch::Contains("its indicators of error times 0.88 for "
                                                  "displacement, times 2.62 for stress"));
 
+  CHECK_THAT(vibration_text(tables.vibration), Catch::Contains("no mass"));
+  CHECK_THAT(touch_text(tables), !Catch::Contains("mass") && !Catch::Contains("vibration"));
+  CHECK(touch_json(tables)["vibration"].is_null());
+  const std::size_t without = bytes_of(tables), stress_without = stress_bytes_of(tables);
+  tables.vibration = test::some_vibration(tables.shell.nodes());
+  CHECK_THAT(
+      touch_text(tables),
+      Catch::Contains(" MB; 5 vibration modes from 4.77 to 9.55 Hz, damping ratio 0.075; 0.4 "
+                      "kg of 1070 kg/m^3"));
+  CHECK(touch_json(tables)["vibration"]["frequencies_hz"][4].get<double>() ==
+        Approx(60 / (2 * 3.14159265)));
+  CHECK_THAT(touch_line(tables), Catch::Contains("; 5 vibration modes up to 9.55 Hz"));
+  CHECK(bytes_of(tables) == without + 5 * 8 + 5 * 3 * 43 * 4);
+  CHECK(stress_bytes_of(tables) == stress_without + 5 * 3 * 4);
+
   for (RegionTable& region : tables.regions) region.quartic = {0, 4, {}, {}};
   CHECK_THAT(touch_text(tables), Catch::Contains(", 2nd order; 3 regions; "));
 }

@@ -175,6 +175,7 @@ std::size_t bytes_of(const TouchTables& tables) {
            static_cast<std::size_t>(coarse.triangles.size()) * sizeof(int) +
            bytes(tables.coarse->fixed);
   }
+  if (tables.vibration) sum += bytes_of(*tables.vibration);
   return sum + bytes(tables.cross.modes) + bytes(tables.cross.cubic) + bytes_of(tables.shell);
 }
 
@@ -192,6 +193,9 @@ std::size_t stress_bytes_of(const TouchTables& tables) {
     const auto all = static_cast<std::size_t>(last - first);
     const auto skin = static_cast<std::size_t>(std::lower_bound(first, last, c.vertices) - first);
     sum += (all - skin) * sizeof(int) + 9 * 2 * (padded(all) - padded(skin));
+  }
+  if (tables.vibration) {
+    sum += 3 * inner * static_cast<std::size_t>(tables.vibration->mode_count()) * sizeof(float);
   }
   for (const RegionTable& region : tables.regions) {
     const auto inside = region.vertices.end() - std::lower_bound(region.vertices.begin(),
@@ -235,6 +239,10 @@ std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
   if (tables.shell.nodes() != c.nodes()) {
     return fmt::format("the shell is of {} nodes where the compliance has {}", tables.shell.nodes(),
                        c.nodes());
+  }
+  if (tables.vibration) {
+    const std::string_view trouble = trouble_of(*tables.vibration, c.nodes());
+    if (!trouble.empty()) return fmt::format("the vibration modes are wrong in {}", trouble);
   }
   if (const std::string trouble = trouble_of(tables.held_out); !trouble.empty()) {
     return fmt::format("the held-out touches are wrong in {}", trouble);

@@ -12,6 +12,7 @@
 #include "palpable/common/response/region.h"
 #include "palpable/common/response/shell_table.h"
 #include "palpable/common/response/stated_error.h"
+#include "palpable/common/response/vibration_table.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -40,6 +41,9 @@ struct TouchTables {
   /// Coulomb's coefficient of friction of the skin against bare skin or a dry thing; 0: none, as in
   /// body files that have no coefficient. The held-out touches are with it.
   double friction = 0;
+  /// Vibration modes, for inertia; none: no mass, as in body files older than them and of bodies
+  /// without a density.
+  std::optional<VibrationTable> vibration = {};
 };
 
 /// The coefficient of silicone rubber against dry human skin: 0.61 with a standard deviation of

@@ -31,6 +31,7 @@ TouchTables scaled(const TouchTables& tables, double s) {
   if (result.coarse) result.coarse->surface.vertices *= s;
   result.shell.stress_free *= static_cast<float>(s);
   result.shell.preload *= static_cast<float>(s);
+  if (tables.vibration) result.vibration = scaled(*tables.vibration, s);
   result.region_reach *= s;
   result.point_spacing *= s;
   return result;

@@ -59,5 +59,32 @@ TEST_CASE("orders two and three and the stress scale with the body", "[response]
   CHECK(as_vector(there).isApprox(as_vector(here), 1e-3f));
 }
 
+TEST_CASE("a body of half the size rings twice as fast under the same laws", "[response]") {
+  TouchableBody body = test::DentedSphere{}.body();
+  body.touch = test::some_touch_tables(body.body.surface, 0);
+  body.touch->vibration = test::some_vibration(body.touch->shell.nodes());
+  const VibrationTable& own = *body.touch->vibration;
+  const double s = 0.5;
+  const TouchableBody small = scaled(body, s);
+  const VibrationTable& changed = small.touch->vibration.value();
+  CHECK(trouble_of(changed, body.touch->shell.nodes()).empty());
+  CHECK(changed.loss_factor == own.loss_factor);
+  CHECK(changed.density == own.density);
+  CHECK(changed.mass == Approx(own.mass / 8));
+  for (std::size_t k = 0; k < own.omega.size(); ++k) {
+    CHECK(changed.omega[k] == Approx(2 * own.omega[k]));
+  }
+  // A force that is scaled as stress times area moves a mode, after 1 / omega of its own, by as
+  // many of its lengths: phi (phi f) / omega^2 is s times as large under s^2 times the force.
+  const auto static_part = [](const VibrationTable& table, std::size_t k) {
+    const auto row = table.shapes.row(static_cast<Eigen::Index>(k)).cast<double>();
+    return Eigen::MatrixXd(row.transpose() * row / (table.omega[k] * table.omega[k]));
+  };
+  CHECK((s * s * static_part(changed, 2)).isApprox(s * static_part(own, 2), 1e-5));
+  // Modal mass: phi^2 rho volume stays 1.
+  CHECK(changed.shapes.squaredNorm() * static_cast<float>(changed.mass) ==
+        Approx(own.shapes.squaredNorm() * static_cast<float>(own.mass)));
+}
+
 }  // namespace
 }  // namespace palpable

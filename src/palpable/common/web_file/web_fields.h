@@ -157,6 +157,13 @@ void visit_touch(Archive& a, Tables& tables) {
   a.number("region_reach", tables.region_reach);
   a.number("point_spacing", tables.point_spacing);
   a.group("held_out", [&] { a.touches(tables.held_out); });
+  a.optional("vibration", tables.vibration, [&](auto& vibration) {
+    a.number("density", vibration.density);
+    a.number("mass", vibration.mass);
+    a.number("loss_factor", vibration.loss_factor);
+    a.column("omega", vibration.omega);
+    a.matrix("shapes", vibration.shapes);
+  });
 }
 
 template <class Archive, class Tables>

@@ -57,6 +57,7 @@ TouchableBody carried_ball() {
   TouchTables tables = test::some_touch_tables(coarse.surface);
   tables.coarse = CoarseSkin{coarse.surface, coarse.fixed};
   tables.held_out[1].unscaled_error.reset();
+  tables.vibration = test::some_vibration(tables.shell.nodes());
   return {test::pressed_ball(0.05, 0.01, 2), std::move(tables)};
 }
 
@@ -146,6 +147,10 @@ TEST_CASE("a coarser skin and touches without an indicator come back", "[web_fil
   CHECK(tables.coarse->surface.vertices == body.touch->coarse->surface.vertices);
   CHECK(tables.coarse->surface.triangles == body.touch->coarse->surface.triangles);
   CHECK(tables.coarse->fixed == body.touch->coarse->fixed);
+  REQUIRE(tables.vibration.has_value());
+  CHECK(tables.vibration->omega == body.touch->vibration->omega);
+  CHECK(tables.vibration->shapes == body.touch->vibration->shapes);
+  CHECK(tables.vibration->mass == body.touch->vibration->mass);
   CHECK(tables.held_out[0].unscaled_error == body.touch->held_out[0].unscaled_error);
   CHECK_FALSE(tables.held_out[1].unscaled_error.has_value());
 }
@@ -244,6 +249,8 @@ TEST_CASE("numbers of arrays that do not fit each other are named", "[web_file][
        with_number(good, "touch/compliance/near_scale", 0, nan)},
       {"region 0 is wrong in its list", with_number(good, "touch/region_0000/vertices", 0, -1)},
       {"touch: the shell", with_number(good, "touch/shell/elements", 5, 4711)},
+      {"touch: the vibration modes",
+       with_number(web_file_bytes(carried_ball()), "touch/vibration/omega", 1, -1.0)},
       {"touch: the held-out touches", with_number(good, "touch/held_out/things", 1, 99)},
       {"'displacement_course' do not increase",
        with_number(good, "error/displacement_course/modes", 1, 1)},
