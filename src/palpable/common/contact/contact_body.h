@@ -128,6 +128,22 @@ class ContactBody {
   /// product of both counts.
   [[nodiscard]] virtual double friction() const { return 0; }
 
+  // --- time
+
+  /// Number of equal steps into which a body with inertia needs a time (s) to be divided, >= 1; 0:
+  /// it has no inertia.
+  [[nodiscard]] virtual int steps_in(double time) const { return static_cast<void>(time), 0; }
+  /// From now on time passes: this much (s) in each step that begins. 0: none; the step corrects
+  /// the state, and what moves keeps its velocity. @pre steps_in() is not 0
+  virtual void set_time_step(double h) { static_cast<void>(h); }
+  /// From now on no time passes: steps lead to the static state under the forces. Until
+  /// set_time_step() is called again nothing moves.
+  virtual void forget_time() {}
+  /// J, of the motion around the static state; 0 of a state that does not move.
+  [[nodiscard]] virtual double ringing() const { return 0; }
+  /// m, no vertex moves farther from its static position as long as forces do not change.
+  [[nodiscard]] virtual double amplitude() const { return 0; }
+
   // --- shape
 
   /// m, position of a contact point.

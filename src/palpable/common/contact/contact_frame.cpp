@@ -46,6 +46,9 @@ constexpr float kTurnInStep = 0.35f;
 constexpr int kMostRubbingSteps = 3;
 constexpr float kSharpest = 0.001f;  // m, the smallest radius that is looked after here
 
+// s. Where no frame came for longer, as after a pause, no more time passes than this.
+constexpr double kLongestTime = 0.125;
+
 // m, gap of a contact in a load step, in which obstacles stand back by `shift`, m.
 float gap_in_step(const Contact& c, double shift) {
   return c.distance + static_cast<float>(c.by < 0 ? shift : 0.0);
@@ -421,7 +424,7 @@ ContactFriction ContactFrame::begun_friction(const Contact& c, double shift) {
   rub.number = number_of_anchor(part(c.body).body->anchors(), c.point, c.by);
   if (rub.number >= 0) {
     take_anchor(c, shift, rub);
-  } else if (!c.force.isZero(0)) {
+  } else if (!c.force.isZero(0) && done_ > 0) {
     // It pressed without friction, or another obstacle that is gone: held from where it is.
     make_anchor(c, shift, rub);
   }
@@ -508,6 +511,7 @@ void ContactFrame::make_anchor(const Contact& c, double shift, ContactFriction& 
 
 // Anchors the contacts that press, or are about to because they are inside, and have no anchor.
 void ContactFrame::make_anchors(double shift) {
+  if (!(done_ > 0)) return;  // a correction: what presses new sticks where the way begins
   for (const Contact& c : search_.contacts()) {
     ContactFriction& rub = rub_of(c);
     if (rub.is_anchored || !(rub.coefficient > 0)) continue;
@@ -637,6 +641,8 @@ void ContactFrame::end_frame(double largest_move) {
   const bool settled =
       !is_stuck_ && !is_entered_ && report_.last_change <= kUnsettled * limits_.largest_step;
   report_.stuck = is_stuck_;
+  // Inertia limits what moves; what obstacles entered by no motion of theirs stays behind them.
+  if (is_timed_) largest_move = std::numeric_limits<double>::infinity();
   if (!settled) {
     largest_move = std::min(largest_move, kUnsettledSteps * limits_.largest_step);
     report_.left_to_move = report_.last_change;
@@ -661,6 +667,7 @@ void ContactFrame::end_frame(double largest_move) {
     if (part(k).share_gone < 1) part(k).body->limit_step(part(k).share_gone);
   }
   if (rubs_) report_.friction_residual = problem_.residual();
+  for (const int k : members_) report_.ringing += part(k).body->ringing();
 }
 
 // --- judgement
@@ -790,54 +797,132 @@ double ContactFrame::shift_in(int step, const Division& division) const {
 }
 
 // Finds the contacts of a step and gives them places.
-void ContactFrame::find_contacts(int step, int steps, double shift) {
-  const bool last = step == steps;
-  if (rubs_ && steps > 1) {
-    move_obstacles(done_);
-    search_.find(shift);
-  } else if (!last) {
-    search_.choose_remembered(shift);
-  } else if (steps > 1 || shift > 0) {
-    search_.find(shift);
-  }
+void ContactFrame::find_contacts(Search search, double shift) {
+  if (search == Search::kAnew) search_.find(shift);
+  if (search == Search::kRemembered) search_.choose_remembered(shift);
   // A point with a force that is no longer near an obstacle is no contact, and loses its force.
   report_.dropped = 0;
   find_places();
 }
 
+void ContactFrame::run_step(Search search, double shift, bool last) {
+  find_contacts(search, shift);
+  if (last) {
+    run_last_step(shift, report_.iterations + limits_.last_iterations);
+  } else {
+    settle(shift, false, false, limits_.iterations);
+  }
+  ++report_.steps;
+}
+
+// A frame without time: obstacles advance step by step.
+void ContactFrame::run_steps(double depth, double largest_move) {
+  const Division division = divide(depth, largest_move);
+  const int steps = division.steps;
+  const bool is_divided = steps > 1;
+  shift_before_ = division.shift_at_begin;
+  if (is_divided) search_.remember();
+  for (int step = 1; step <= steps; ++step) {
+    const double shift = shift_in(step, division);
+    const bool last = step == steps;
+    done_ = static_cast<float>(step) / static_cast<float>(steps);
+    Search search = last ? Search::kKept : Search::kRemembered;
+    if (rubs_ && is_divided) move_obstacles(done_);
+    if ((rubs_ && is_divided) || (last && (is_divided || shift > 0))) search = Search::kAnew;
+    run_step(search, shift, last);
+    // Contacts are searched anew in the last step, with friction in each.
+    if (!last && (rubs_ || step + 1 == steps)) {
+      for (const int k : members_) part(k).body->form_shape(false);
+    }
+    end_step(shift, last);
+    done_before_ = done_;
+    shift_before_ = shift;
+  }
+}
+
+// --- time
+
+// The equal steps into which a time (s) is divided; 0: no member has inertia.
+int ContactFrame::steps_in(double time) const {
+  int steps = 0;
+  for (const int k : members_) steps = std::max(steps, part(k).body->steps_in(time));
+  return steps;
+}
+
+// Whether a member may touch something in this frame. Without it all members move freely, which
+// they do exactly in one step.
+bool ContactFrame::is_anything_near() const {
+  if (!pairs_.empty()) return true;
+  return std::any_of(members_.begin(), members_.end(), [this](int k) {
+    const ContactPart& one = part(k);
+    if (!one.body->forces().empty()) return true;
+    if (one.obstacles == nullptr) return false;
+    const Eigen::AlignedBox3f box = one.body->bounds();
+    const double reach = limits_.band + 2 * one.body->amplitude();
+    const float radius = 0.5f * box.diagonal().norm() + static_cast<float>(reach);
+    const auto is_near = [&](const Obstacles* obstacles) {
+      return obstacles != nullptr && obstacles->may_be_within(box.center(), radius);
+    };
+    return is_near(one.obstacles) || is_near(one.obstacles->on_the_way(0));
+  });
+}
+
+void ContactFrame::set_time_step(double h) {
+  for (const int k : members_) {
+    if (part(k).body->steps_in(0) > 0) part(k).body->set_time_step(h);
+  }
+}
+
+// A frame in which time passes. First what obstacles are inside when it begins is corrected: that
+// is not motion but a new measurement, which gives no velocity. Then obstacles come on their ways
+// in as many equal steps as the fastest mode needs.
+void ContactFrame::run_in_time(double largest_move, double time) {
+  const double unsolved = unsolved_before();
+  const double within_limit = std::min(unsolved, largest_move);
+  const int corrections = static_cast<int>(
+      std::ceil(std::min(within_limit / limits_.largest_step, 1.0 * limits_.most_steps)));
+  const double left = std::max(0.0, unsolved - corrections * limits_.largest_step);
+  shift_before_ = unsolved;
+  const auto run = [&](double shift, bool last) {
+    move_obstacles(done_);
+    run_step(Search::kAnew, shift, last);
+    if (!last) {
+      for (const int k : members_) part(k).body->form_shape(false);
+    }
+    end_step(shift, last);
+    done_before_ = done_;
+    shift_before_ = shift;
+  };
+  done_ = 0;
+  set_time_step(0);
+  for (int step = 1; step <= corrections; ++step) {
+    run(std::max(left, unsolved - step * limits_.largest_step), false);
+  }
+  const int steps = is_anything_near() ? steps_in(time) : 1;
+  set_time_step(time / steps);
+  for (int step = 1; step <= steps; ++step) {
+    done_ = static_cast<float>(step) / static_cast<float>(steps);
+    run(left, step == steps);
+  }
+}
+
 ContactReport ContactFrame::solve(std::span<const int> members, std::span<const SkinPair> pairs,
-                                  double largest_move) {
+                                  double largest_move, std::optional<double> time) {
   begin(members, pairs);
+  is_timed_ = time && steps_in(*time) > 0;
   search_.find(0);
   double depth = 0;
   for (const Contact& c : search_.contacts()) {
     if (c.by < 0) depth = std::max(depth, -static_cast<double>(c.distance));
   }
   report_.inside_before = depth;
-  const Division division = divide(depth, largest_move);
-  const int steps = division.steps;
   is_entered_ = false;
   done_before_ = 0;
-  shift_before_ = division.shift_at_begin;
-  if (steps > 1) search_.remember();
-  for (int step = 1; step <= steps; ++step) {
-    const double shift = shift_in(step, division);
-    const bool last = step == steps;
-    done_ = static_cast<float>(step) / static_cast<float>(steps);
-    find_contacts(step, steps, shift);
-    if (last) {
-      run_last_step(shift, report_.iterations + limits_.last_iterations);
-    } else {
-      settle(shift, false, false, limits_.iterations);
-      // Contacts are searched anew in the last step, with friction in each.
-      if (rubs_ || step + 1 == steps) {
-        for (const int k : members_) part(k).body->form_shape(false);
-      }
-    }
-    ++report_.steps;
-    end_step(shift, last);
-    done_before_ = done_;
-    shift_before_ = shift;
+  if (is_timed_) {
+    run_in_time(largest_move, std::clamp(*time, 0.0, kLongestTime));
+  } else {
+    for (const int k : members_) part(k).body->forget_time();
+    run_steps(depth, largest_move);
   }
   end_frame(largest_move);
   judge();

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,6 +47,7 @@ struct ContactReport {
   /// m, of the last iteration's problem with friction (ConeOutcome::residual); 0 without friction.
   double friction_residual = 0;
   double dissipated = 0;  ///< J, by friction in this frame, before the step limit
+  double ringing = 0;     ///< J, ContactBody::ringing() when the frame ends
   bool stuck = false;  ///< the last iteration could make no step, so that left_to_move is not known
 
   // Penetration depths of obstacles into the skin, m, measured after the step limit was applied.
@@ -89,8 +91,9 @@ class ContactFrame {
   /// @param members  indices of parts, in rising order; begin_frame() was called for their bodies
   /// @param pairs    of these members
   /// @param largest_move  m, step limit: no vertex moves farther in this frame
+  /// @param time          s, since the frame before; none: nothing has inertia
   ContactReport solve(std::span<const int> members, std::span<const SkinPair> pairs,
-                      double largest_move);
+                      double largest_move, std::optional<double> time = {});
 
   /// The pair of a contact between bodies.
   [[nodiscard]] const SkinPair& pair_of(const Contact& contact) const {
@@ -157,7 +160,14 @@ class ContactFrame {
   [[nodiscard]] int rubbing_steps() const;
   void move_obstacles(float done);
   [[nodiscard]] double unsolved_before();
-  void find_contacts(int step, int steps, double shift);
+  enum class Search { kAnew, kRemembered, kKept };
+  void find_contacts(Search search, double shift);
+  void run_step(Search search, double shift, bool last);
+  void run_steps(double depth, double largest_move);
+  [[nodiscard]] int steps_in(double time) const;
+  [[nodiscard]] bool is_anything_near() const;
+  void set_time_step(double h);
+  void run_in_time(double largest_move, double time);
 
   std::span<ContactPart> parts_;
   std::size_t most_;
@@ -170,6 +180,7 @@ class ContactFrame {
   double reach_ = 0;         // m: points nearer than this take part in the next iteration
   bool is_stuck_ = false;    // the last iteration could make no step
   bool is_entered_ = false;  // points that do not take part entered an obstacle
+  bool is_timed_ = false;    // bodies have inertia in this frame
 
   std::vector<Contact> pressed_;         // contacts that take part in an iteration,
   std::vector<std::size_t> of_pressed_;  // and their indices among all contacts

@@ -54,7 +54,7 @@ struct ContactSolver::Work {
   [[nodiscard]] bool is_obstacle_near(std::size_t k) const;
   [[nodiscard]] bool are_near(const SkinPair& pair, float beside) const;
   void find_groups();
-  void solve(int group);
+  void solve(int group, std::optional<double> time);
   void find_pressed();
   [[nodiscard]] double imbalance() const;
 
@@ -165,7 +165,7 @@ void ContactSolver::Work::find_groups() {
   }
 }
 
-void ContactSolver::Work::solve(int group) {
+void ContactSolver::Work::solve(int group, std::optional<double> time) {
   double largest_move = 0;
   solved.clear();
   for (std::size_t k = 0; k < members.size(); ++k) {
@@ -185,14 +185,15 @@ void ContactSolver::Work::solve(int group) {
     member.pressed_before.swap(member.pressed);
     member.pressed.clear();
   }
-  ContactReport report = frame->solve(solved, solved_pairs, largest_move);
+  ContactReport report = frame->solve(solved, solved_pairs, largest_move, time);
   if (!solved_pairs.empty()) find_pressed();
   report.imbalance = imbalance();
   for (const int k : solved) {
     Member& member = members[static_cast<std::size_t>(k)];
     member.report = report;
     member.is_at_rest = parts[static_cast<std::size_t>(k)].body->forces().empty() &&
-                        member.pressed.empty() && !(report.left_to_move > 0);
+                        member.pressed.empty() && !(report.left_to_move > 0) &&
+                        !(parts[static_cast<std::size_t>(k)].body->ringing() > 0);
   }
 }
 
@@ -242,7 +243,7 @@ ContactSolver::ContactSolver(const std::vector<Member>& members)
 ContactSolver::~ContactSolver() = default;
 ContactSolver::ContactSolver(ContactSolver&&) noexcept = default;
 
-ContactReport ContactSolver::advance(std::span<const Near> near) {
+ContactReport ContactSolver::advance(std::span<const Near> near, std::optional<double> time) {
   Work& w = *work_;
   PALPABLE_EXPECT(near.size() == w.parts.size(), "a Near for each member");
   for (std::size_t k = 0; k < w.parts.size(); ++k) {
@@ -251,7 +252,7 @@ ContactReport ContactSolver::advance(std::span<const Near> near) {
     w.parts[k].body->begin_frame();
   }
   if (w.parts.size() == 1) {
-    w.solve(0);
+    w.solve(0, time);
     return w.members.front().report;
   }
   w.find_groups();
@@ -266,7 +267,7 @@ ContactReport ContactSolver::advance(std::span<const Near> near) {
       member.report = {};
       continue;
     }
-    w.solve(static_cast<int>(k));
+    w.solve(static_cast<int>(k), time);
     const ContactReport& one = member.report;
     all.candidates += one.candidates;
     all.dropped += one.dropped;
@@ -280,6 +281,7 @@ ContactReport ContactSolver::advance(std::span<const Near> near) {
     all.left_to_move = std::max(all.left_to_move, one.left_to_move);
     all.friction_residual = std::max(all.friction_residual, one.friction_residual);
     all.dissipated += one.dissipated;
+    all.ringing += one.ringing;
     all.stuck |= one.stuck;
     all.inside_before = std::max(all.inside_before, one.inside_before);
     all.points_inside = std::max(all.points_inside, one.points_inside);

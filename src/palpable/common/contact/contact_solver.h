@@ -56,6 +56,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -82,7 +83,9 @@ class ContactSolver {
   /// Advances the states to those in which nothing enters a body. Pure: the same states and gaps
   /// give the same bytes.
   /// @param near  of each member
-  ContactReport advance(std::span<const Near> near);
+  /// @param time  s, since the frame before, at most an eighth of a second counts: bodies with
+  ///              inertia move. None: the static state, without motion
+  ContactReport advance(std::span<const Near> near, std::optional<double> time = {});
 
   // These are for one member, after the frame advanced last.
 

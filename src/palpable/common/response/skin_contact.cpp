@@ -16,14 +16,15 @@ SkinContact::SkinContact(const SurfaceMesh& skin, std::span<const std::uint8_t> 
 }
 
 TouchReport SkinContact::advance(TouchState& state, const PressingSurface& seen,
-                                 std::vector<Touch>& touches) {
+                                 std::vector<Touch>& touches, std::optional<double> time) {
   touches.clear();
   touches.reserve(TouchSolver::kMostPoints);
   TouchReport report;
-  if (seen.balls().empty() && state.forces.empty() && state.u.cols() > 0) {
+  if (seen.balls().empty() && state.forces.empty() && state.u.cols() > 0 &&
+      !state.vibration.moves) {
     return report;  // at rest, and stays so
   }
-  report = solver_.advance(state, seen, largest_move(seen));
+  report = solver_.advance(state, seen, largest_move(seen), time);
   find_pressed(state);
   patches_.find(&seen, touches);
   return report;

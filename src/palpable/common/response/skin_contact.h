@@ -20,6 +20,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -36,7 +37,9 @@ class SkinContact {
 
   /// One frame: a pure function of its arguments.
   /// @param touches  overwritten: one for each contact patch, the one with the largest force first
-  TouchReport advance(TouchState& state, const PressingSurface& seen, std::vector<Touch>& touches);
+  /// @param time     s, since the frame before; none: without inertia
+  TouchReport advance(TouchState& state, const PressingSurface& seen, std::vector<Touch>& touches,
+                      std::optional<double> time = {});
 
   /// m, the step limit where no motion was seen. An object's unseen side is guessed anew in each
   /// frame and may jump; without the limit the skin would jump with it.

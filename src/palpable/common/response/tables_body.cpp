@@ -3,6 +3,7 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/row_kernels.h"
 #include "palpable/common/response/compliance.h"
+#include "palpable/common/response/inertia.h"
 #include "palpable/common/response/nonlinear_response.h"
 #include "palpable/common/response/shell_stress.h"
 #include "palpable/common/response/tables_tangent.h"
@@ -37,6 +38,10 @@ std::size_t most_modes(const TouchTables& tables) {
   int most = 16;
   for (const RegionTable& region : tables.regions) most = std::max(most, region.mode_count());
   return static_cast<std::size_t>(most);
+}
+
+std::size_t inertia_width(const TouchTables& tables) {
+  return tables.vibration ? padded(tables.vibration->omega.size()) : 0;
 }
 
 ContactLimits tables_limits(const TouchSettings& s) {
@@ -95,6 +100,11 @@ struct TablesBody::Work {
 
   TablesTangent tangent;
 
+  // Inertia; none without vibration modes.
+  std::optional<Inertia> inertia;
+  bool is_timed = false;  // time passes in this frame
+  VibrationState vibration_at_start;
+
   Work(const SurfaceMesh& surface_mesh, std::span<const std::uint8_t> fixed,
        const TouchTables& the_tables, const TouchSettings& the_settings);
 
@@ -104,7 +114,8 @@ struct TablesBody::Work {
   void find_displacements(CrossTerms cross);
   [[nodiscard]] TablesAt tables_now(Tangent kind) {
     const bool by_regions = kind == Tangent::kFull && is_nonlinear();
-    return {places, *cache, field, by_regions ? &nonlinear : nullptr};
+    return {places, *cache, field, by_regions ? &nonlinear : nullptr,
+            is_timed ? &*inertia : nullptr};
   }
   void fill_shape(Eigen::Index nodes);
   void forget_surface() {
@@ -138,8 +149,12 @@ TablesBody::Work::Work(const SurfaceMesh& surface_mesh, std::span<const std::uin
       without_cross(3, rest.cols()),
       no_displacement(formed),
       next(static_cast<std::size_t>(rest.cols())),
-      tangent(most_modes(tables)) {
+      tangent(most_modes(tables), inertia_width(tables)) {
   shape = &no_displacement;
+  if (tables.vibration) {
+    inertia.emplace(*tables.vibration, compliance.nodes());
+    inertia->rest(vibration_at_start, {});
+  }
   if (skin.is_carried()) {
     coarse_stress.resize(static_cast<std::size_t>(rest.cols()));
     coarse_tensors.resize(6 * coarse_stress.size());
@@ -205,17 +220,43 @@ void TablesBody::begin_frame() {
     if (friction() > 0) state.anchors.reserve(kMostForces);
     state.regions.clear();
     state.regions.reserve(NonlinearResponse::kMostPatches);
+    state.vibration = {};
+    if (w.inertia) w.inertia->rest(state.vibration, {});
   }
   w.skin.update_normals(state.u);
   w.shape = &state.u;
   w.is_formed = false;
   w.forget_surface();
   w.began = state.u;
+  w.vibration_at_start = state.vibration;
   w.forces_at_start.start(state.forces);
 }
 
 bool TablesBody::is_at_rest() const {
-  return work_->state->u.cols() > 0 && work_->state->forces.empty() && work_->state->u.isZero(0);
+  const TouchState& state = *work_->state;
+  return state.u.cols() > 0 && state.forces.empty() && state.u.isZero(0) &&
+         !state.vibration.moves;
+}
+
+int TablesBody::steps_in(double time) const {
+  return work_->inertia ? work_->inertia->steps_in(time) : 0;
+}
+
+void TablesBody::set_time_step(double h) {
+  work_->is_timed = true;
+  work_->inertia->set_step(h);
+}
+
+void TablesBody::forget_time() {
+  work_->is_timed = false;
+}
+
+double TablesBody::ringing() const {
+  return work_->inertia ? work_->inertia->energy(work_->state->vibration) : 0.0;
+}
+
+double TablesBody::amplitude() const {
+  return work_->inertia ? work_->inertia->amplitude(work_->state->vibration) : 0.0;
 }
 
 std::vector<PointForce>& TablesBody::forces() { return work_->state->forces; }
@@ -330,6 +371,7 @@ void TablesBody::begin_step(std::span<const PlaceLoad> loads, bool last) {
     }
   }
   if (w.is_nonlinear()) w.choose_patches(loads);
+  if (w.is_timed) w.inertia->begin_step(w.state->vibration, w.loads);
   w.find_displacements(CrossTerms::kAnew);
 }
 
@@ -366,6 +408,7 @@ void TablesBody::Work::find_displacements(CrossTerms cross) {
   }
   const auto n = static_cast<Eigen::Index>(vertices.size());
   correcting = state->refinement.weights_under(loads, here.leftCols(n));
+  if (is_timed) inertia->load(loads);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     auto u = here.col(static_cast<Eigen::Index>(i));
     if (is_nonlinear()) u += nonlinear.displacement_at(vertices[i]);
@@ -374,6 +417,7 @@ void TablesBody::Work::find_displacements(CrossTerms cross) {
         u += correcting[k] * state->refinement.corrections[k].field.col(vertices[i]);
       }
     }
+    if (is_timed) u += inertia->displacement_at(vertices[i]);
   }
 }
 
@@ -454,6 +498,12 @@ void TablesBody::Work::fill_shape(Eigen::Index nodes) {
     linear += correcting[k] * c.leftCols(linear.cols());
     if (is_nonlinear()) without_cross += correcting[k] * c.leftCols(linear.cols());
   }
+  if (is_timed) {
+    const Matrix3Xf& lag = inertia->field(nodes);
+    u += lag.leftCols(nodes);
+    linear += lag.leftCols(linear.cols());
+    if (is_nonlinear()) without_cross += lag.leftCols(linear.cols());
+  }
 }
 
 void TablesBody::form_shape(bool all) {
@@ -473,11 +523,16 @@ bool TablesBody::has_moved(double way) const {
   return moved > least * least;
 }
 
-void TablesBody::keep(bool) {
+void TablesBody::keep(bool is_free) {
   Work& w = *work_;
   TouchState& state = *w.state;
   state.regions.assign(w.nonlinear.regions().begin(), w.nonlinear.regions().end());
   state.refinement.weights = w.correcting;
+  if (w.is_timed) {
+    w.inertia->end_step(state.vibration, is_free);
+  } else if (w.inertia) {
+    w.inertia->rest(state.vibration, w.loads);
+  }
   if (w.is_formed) state.u.swap(w.formed);
   w.shape = &state.u;
   w.is_formed = false;
@@ -525,6 +580,7 @@ void TablesBody::limit_step(double share) {
   TouchState& state = *w.state;
   const auto s = static_cast<float>(share);
   state.u = w.began + s * (state.u - w.began);
+  if (w.is_timed) w.inertia->limit_step(state.vibration, w.vibration_at_start, share);
   w.forces_at_start.limit_step(state.forces, s);
   w.forget_surface();
 }
@@ -580,6 +636,7 @@ bool TablesBody::request(const TouchState& state, RequestedLoad& load) {
     const float weight = state.refinement.weights[k];
     if (weight > 0) load.tables -= weight * state.refinement.corrections[k].field;
   }
+  if (state.vibration.moves) load.tables -= w.inertia->field(state.vibration);
   return true;
 }
 

@@ -3,9 +3,10 @@
 /// series in the forces.
 ///
 ///     u(f) = G f + regions' modes + interaction of patches + corrections by full-order solutions
+///            + motion of the vibration modes
 ///
 /// with G from compliance.h, regions and patches from nonlinear_response.h, corrections from
-/// refinement.h. The tangent is J = G + U H U^T, with U the modes of the regions and H the
+/// refinement.h, and the last term, if time passes, from inertia.h. The tangent is J = G + U H U^T, with U the modes of the regions and H the
 /// derivative of their amplitudes by the modal coordinates of the load.
 ///
 ///   V  vertices of the tables, of the skin or of a coarser one that carries it
@@ -107,6 +108,11 @@ class TablesBody final : public ContactBody {
   [[nodiscard]] std::vector<PointForce>& forces() override;
   [[nodiscard]] std::vector<PointAnchor>& anchors() override;
   [[nodiscard]] double friction() const override;
+  [[nodiscard]] int steps_in(double time) const override;
+  void set_time_step(double h) override;
+  void forget_time() override;
+  [[nodiscard]] double ringing() const override;
+  [[nodiscard]] double amplitude() const override;
   [[nodiscard]] Eigen::Vector3f shape_at(int point) override;
   [[nodiscard]] Eigen::Vector3f shape_at_vertex(int vertex) override;
   [[nodiscard]] Eigen::Vector3f shape_at(const SkinPoint& foot) override;

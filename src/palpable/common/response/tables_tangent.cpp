@@ -90,10 +90,28 @@ int patch_of_unit(const TablesAt& at, const UnitForce& force) {
   return at.regions->patch_of(heaviest->vertex);
 }
 
+// Fills a row for each unit force: Phi^T times it.
+void fill_inertia_rows(const TablesAt& at, std::span<const UnitForce> forces,
+                       std::span<float> rows) {
+  const std::size_t r = at.inertia->row_width();
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const std::span<float> row = rows.subspan(i * r, r);
+    std::fill(row.begin(), row.end(), 0.0f);
+    const ForceShares& shares = at.places[forces[i].place].shares;
+    for (std::size_t k = 0; k < shares.count; ++k) {
+      const auto [vertex, weight] = shares.of[k];
+      if (weight != 0) at.inertia->add_row(vertex, weight * forces[i].direction, row);
+    }
+  }
+}
+
 }  // namespace
 
-TablesTangent::TablesTangent(std::size_t most_modes)
-    : modes_wide_(most_modes), turned_coordinates_(most_modes) {
+TablesTangent::TablesTangent(std::size_t most_modes, std::size_t inertia)
+    : modes_wide_(most_modes),
+      inertia_wide_(inertia),
+      turned_coordinates_(most_modes),
+      turned_inertia_(inertia) {
   patches_.reserve(NonlinearResponse::kMostPatches);
 }
 
@@ -113,6 +131,8 @@ void TablesTangent::make_room(std::size_t most_places, std::size_t width) {
   tangent_order_.resize(tangents);
   tangent_patch_.resize(tangents);
   tangent_sums_.resize(tangents);
+  inertia_rows_.resize(most_places * inertia_wide_);
+  tangent_inertia_rows_.resize(tangents * inertia_wide_);
 }
 
 // row = G times a unit force.
@@ -202,6 +222,7 @@ void TablesTangent::add_compliance(const TablesAt& at, std::span<const UnitForce
   }
   if (at.regions != nullptr) add_modes(at, forces, W, m, q);
   for (const UnitForce& f : forces) mean_ += W[f.row * m + f.row] / count;
+  if (at.inertia != nullptr) add_inertia(at, forces, W, m, q);
 }
 
 void TablesTangent::add_tangential(const TablesAt& at, std::span<const UnitForce> forces,
@@ -224,6 +245,7 @@ void TablesTangent::add_tangential(const TablesAt& at, std::span<const UnitForce
     }
     q_t[f.row] -= static_cast<double>(along(at, f, at.field));
   }
+  if (at.inertia != nullptr) add_tangential_inertia(at, forces, W_nt, wide, W_tt, q_t);
 }
 
 void TablesTangent::add_all_tangential(const TablesAt& at, std::span<const UnitForce> forces,
@@ -260,6 +282,7 @@ void TablesTangent::add_all_tangential(const TablesAt& at, std::span<const UnitF
   if (at.regions != nullptr && has_mode_rows_) {
     add_tangential_modes(at, forces, W_nt, wide, W_tt, q_t);
   }
+  if (at.inertia != nullptr) add_tangential_inertia(at, forces, W_nt, wide, W_tt, q_t);
 }
 
 // Adds the regions' part, as add_modes() does among normal forces.
@@ -304,6 +327,57 @@ void TablesTangent::add_tangential_modes(const TablesAt& at, std::span<const Uni
     best_row_kernels().dots_floats(tangent_modes_.data(), count, turned, tangent_sums_.data());
     for (std::size_t k = 0; k < count; ++k) {
       q_t[forces[tangent_order_[k]].row] -= static_cast<double>(tangent_sums_[k]);
+    }
+  }
+}
+
+// Adds the part of inertia, as add_modes() adds that of a region.
+void TablesTangent::add_inertia(const TablesAt& at, std::span<const UnitForce> forces,
+                                std::span<double> W, std::size_t m, std::span<double> q) {
+  const std::size_t r = at.inertia->row_width();
+  const std::span<float> turned(turned_inertia_.data(), r);
+  fill_inertia_rows(at, forces, inertia_rows_);
+  at.inertia->times(at.inertia->modal_forces(), turned);
+  best_row_kernels().dots_floats(inertia_rows_.data(), forces.size(), turned, sums_.data());
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    q[forces[i].row] -= static_cast<double>(sums_[i]);
+  }
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const std::span<const float> row_of_modes(inertia_rows_.data() + i * r, r);
+    mean_ -= at.inertia->static_compliance(row_of_modes) / static_cast<double>(forces.size());
+    at.inertia->times(row_of_modes, turned);
+    best_row_kernels().dots_floats(inertia_rows_.data(), i + 1, turned, sums_.data());
+    double* row = W.data() + forces[i].row * m;
+    for (std::size_t j = 0; j <= i; ++j) row[forces[j].row] += static_cast<double>(sums_[j]);
+  }
+}
+
+void TablesTangent::add_tangential_inertia(const TablesAt& at, std::span<const UnitForce> forces,
+                                           std::span<float> W_nt, std::size_t wide,
+                                           std::span<double> W_tt, std::span<double> q_t) {
+  const std::size_t r = at.inertia->row_width(), t = q_t.size();
+  const std::span<float> turned(turned_inertia_.data(), r);
+  fill_inertia_rows(at, forces, tangent_inertia_rows_);
+  at.inertia->times(at.inertia->modal_forces(), turned);
+  best_row_kernels().dots_floats(tangent_inertia_rows_.data(), forces.size(), turned,
+                                 tangent_sums_.data());
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    q_t[forces[i].row] -= static_cast<double>(tangent_sums_[i]);
+  }
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const std::size_t to = forces[i].row;
+    at.inertia->times({tangent_inertia_rows_.data() + i * r, r}, turned);
+    best_row_kernels().dots_floats(inertia_rows_.data(), normals_.size(), turned,
+                                   tangent_sums_.data());
+    for (std::size_t p = 0; p < normals_.size(); ++p) {
+      W_nt[normals_[p].row * wide + to] += tangent_sums_[p];
+    }
+    best_row_kernels().dots_floats(tangent_inertia_rows_.data(), i + 1, turned,
+                                   tangent_sums_.data());
+    for (std::size_t j = 0; j <= i; ++j) {
+      const auto value = static_cast<double>(tangent_sums_[j]);
+      W_tt[to * t + forces[j].row] += value;
+      if (i != j) W_tt[forces[j].row * t + to] += value;
     }
   }
 }

@@ -3,10 +3,11 @@
 /// unit forces at its places: the derivative of the displacement along one force by the magnitude
 /// of another.
 ///
-///     J = G + sum over patches  U H U^T
+///     J = G + sum over patches  U H U^T + Phi D Phi^T
 ///
 /// with G from compliance.h, U the modes of a patch's region, and H the derivative of their
-/// amplitudes by the modal coordinates of the load (nonlinear_response.h).
+/// amplitudes by the modal coordinates of the load (nonlinear_response.h). The last term is that of
+/// inertia (inertia.h), where time passes.
 ///
 ///   V  vertices of the tables     P  places     S  vertices of the places, each once
 ///   r  modes of a region     w  3 x slots of the compliance cache
@@ -14,6 +15,7 @@
 
 #include "palpable/common/contact/contact_body.h"
 #include "palpable/common/response/compliance.h"
+#include "palpable/common/response/inertia.h"
 #include "palpable/common/response/nonlinear_response.h"
 #include "palpable/common/response/touch_skin.h"
 
@@ -70,21 +72,24 @@ struct TablesAt {
   /// The response beyond the linear one, evaluated under the present loads at the places. Null: the
   /// tangent is G alone, which does not depend on the loads.
   NonlinearResponse* regions = nullptr;
+  /// Under the present loads, too. Null: no time passes.
+  const Inertia* inertia = nullptr;
 };
 
 /// Allocates in its constructor and in make_room().
 class TablesTangent {
  public:
   /// @param most_modes  r of the largest region
-  explicit TablesTangent(std::size_t most_modes);
+  /// @param inertia     Inertia::row_width() at most, 0: without inertia
+  explicit TablesTangent(std::size_t most_modes, std::size_t inertia = 0);
   /// @param width  w
   void make_room(std::size_t most_places, std::size_t width);
 
   /// As ContactBody::add_compliance().
   void add_compliance(const TablesAt& at, std::span<const UnitForce> forces, std::span<double> W,
                       std::size_t m, std::span<double> q);
-  /// As ContactBody::add_tangential(), by the linear tables alone: the terms by which normals turn
-  /// are a small part of the tangent.
+  /// As ContactBody::add_tangential(), by the linear tables and inertia alone: the terms by which
+  /// normals turn are a small part of the tangent.
   void add_tangential(const TablesAt& at, std::span<const UnitForce> forces, std::span<float> W_nt,
                       std::size_t wide, std::span<double> W_tt, std::span<double> q_t);
   /// The same with all terms of the last add_compliance(), for friction, where the two tangents of
@@ -93,6 +98,8 @@ class TablesTangent {
                           std::span<float> W_nt, std::size_t wide, std::span<double> W_tt,
                           std::span<double> q_t);
   /// m/N, the mean compliance of a force on itself, over the forces of the last add_compliance().
+  /// With inertia that at once, without the vibration modes: a share of it is small beside every
+  /// compliance of a time step, and does not depend on the step.
   [[nodiscard]] double mean() const { return mean_; }
 
  private:
@@ -107,8 +114,13 @@ class TablesTangent {
   void add_tangential_modes(const TablesAt& at, std::span<const UnitForce> forces,
                             std::span<float> W_nt, std::size_t wide, std::span<double> W_tt,
                             std::span<double> q_t);
+  void add_inertia(const TablesAt& at, std::span<const UnitForce> forces, std::span<double> W,
+                   std::size_t m, std::span<double> q);
+  void add_tangential_inertia(const TablesAt& at, std::span<const UnitForce> forces,
+                              std::span<float> W_nt, std::size_t wide, std::span<double> W_tt,
+                              std::span<double> q_t);
 
-  std::size_t modes_wide_, width_ = 0;
+  std::size_t modes_wide_, inertia_wide_, width_ = 0;
   std::vector<float> rows_;                // (P x w) G d, with d a unit force
   std::vector<float> mode_rows_, turned_;  // (P x r) d U, d U H, patch by patch
   std::vector<std::size_t> order_;         // (P) unit forces, patch by patch
@@ -122,6 +134,8 @@ class TablesTangent {
   std::vector<std::size_t> tangent_order_;        // (2P) of one patch: tangential unit forces
   std::vector<int> tangent_patch_;                // (2P) of each tangential unit force; -1: none
   std::vector<float> tangent_sums_;               // (2P)
+  // Of inertia: Phi^T d of the normal and of the tangential unit forces, and D times one of them.
+  std::vector<float> inertia_rows_, tangent_inertia_rows_, turned_inertia_;
   double mean_ = 0;
 };
 

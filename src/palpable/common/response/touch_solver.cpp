@@ -23,10 +23,10 @@ TouchSolver::TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> 
       solver_({{body_.get(), Rigid3::Identity()}}) {}
 
 TouchReport TouchSolver::advance(TouchState& state, const Obstacles& obstacles,
-                                 double largest_move) {
+                                 double largest_move, std::optional<double> time) {
   body_->use(state);
   const std::array near{ContactSolver::Near{&obstacles, largest_move}};
-  solver_.advance(near);
+  solver_.advance(near, time);
   return report_of(*body_, solver_, 0);
 }
 

@@ -77,8 +77,11 @@ class TouchSolver {
   /// gaps give the same bytes.
   /// @param largest_move  m, step limit: no vertex moves farther in this frame; the rest of the
   ///                      displacement follows in later frames
+  /// @param time          s, since the frame before, for tables with vibration modes; none: the
+  ///                      static state, without motion
   TouchReport advance(TouchState& state, const Obstacles& obstacles,
-                      double largest_move = std::numeric_limits<double>::infinity());
+                      double largest_move = std::numeric_limits<double>::infinity(),
+                      std::optional<double> time = {});
 
   /// The load that a state bears, as a request for its full-order solution. False: there is no
   /// load, or a solution is still being blended in. Allocates nothing once `load` has had its room.

@@ -6,6 +6,7 @@
 
 #include "palpable/common/contact/point_anchor.h"
 #include "palpable/common/contact/point_forces.h"
+#include "palpable/common/response/inertia.h"
 #include "palpable/common/response/refinement.h"
 
 #include <Eigen/Core>
@@ -23,6 +24,7 @@ struct TouchState {
   /// (shell_table.h), which only the stress needs. No columns: at rest.
   Eigen::Matrix3Xf u;
   Refinement refinement;  ///< corrections by full-order solutions
+  VibrationState vibration;  ///< at rest unless time passes (ContactSolver::advance())
 };
 
 }  // namespace palpable

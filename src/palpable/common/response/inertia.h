@@ -1,0 +1,121 @@
+/// @file
+/// The inertia of a body with tables: its displacement is that of the tables plus what its
+/// vibration modes lag behind their static displacement, or ring beyond it.
+///
+///     u = u_tables(f) + Phi r,     r = q - Omega^-2 p,     p = Phi^T f
+///
+/// with q the modal coordinates, Phi the shapes and Omega the frequencies (vibration_table.h). A
+/// body at rest has r = 0, so that the tables alone answer. In a time step h forces are constant,
+/// and q follows exactly, as a damped oscillator (ω_d^2 = (1 - zeta^2) omega^2):
+///
+///     q+  = A q + B q' + alpha p           A  = e^(-zeta omega h) (cos w_d h + zeta omega/w_d sin)
+///     q'+ = -omega^2 B q + B' q' + B p     B  = e^(-zeta omega h) sin(w_d h) / w_d
+///     alpha = (1 - A) / omega^2            B' = e^(-zeta omega h) (cos w_d h - zeta omega/w_d sin)
+///
+/// Within a step the displacement is therefore linear in the modal forces, and the compliance of
+/// the tables changes by D:
+///
+///     u = u_tables(f) + Phi (r0 + D p),    r0 = A q + B q',    D = alpha - Omega^-2
+///
+/// A step without time corrects the forces, as where a measurement corrects an obstacle: r and q'
+/// stay as they are, D = 0.
+///
+///   W  nodes of the shell, the skin's vertices first     m  modes that are used
+#pragma once
+
+#include "palpable/common/response/compliance.h"
+#include "palpable/common/response/rounded_rows.h"
+#include "palpable/common/response/vibration_table.h"
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// What moves when a frame ends. The default is a body at rest.
+struct VibrationState {
+  std::vector<double> q;         ///< (m) sqrt(kg) m, modal coordinates; empty: 0, as all others
+  std::vector<double> velocity;  ///< (m) sqrt(kg) m/s
+  std::vector<double> force;     ///< (m) N/sqrt(kg), p of the last step
+
+  bool moves = false;            ///< r or q' is not 0. A body that is pressed may be at rest
+};
+
+/// Allocates in its constructor.
+class Inertia {
+ public:
+  /// Modes of higher frequency, rad/s, are taken as static: a quarter of a period of 125 Hz is the
+  /// step of a haptic device, 1 ms, doubled.
+  static constexpr double kFastest = 2 * 3.14159265358979323846 * 125;
+
+  /// @param table  valid for a shell with `nodes` nodes
+  Inertia(const VibrationTable& table, int nodes);
+
+  [[nodiscard]] int mode_count() const { return static_cast<int>(omega_.size()); }  ///< m
+  /// Number of equal steps into which a time (s) is divided, >= 1: an eighth of the shortest
+  /// period at most.
+  [[nodiscard]] int steps_in(double time) const;
+
+  /// Sets the duration of the following steps, s, >= 0. @param h  0: no time passes
+  void set_step(double h);
+  /// A step begins in a state.
+  void begin_step(const VibrationState& state, std::span<const VertexForce> loads);
+  /// Computes modal forces and coordinates under loads: p, and r = r0 + D p.
+  void load(std::span<const VertexForce> loads);
+
+  /// m, displacement of a vertex by the modes: Phi r.
+  [[nodiscard]] Eigen::Vector3f displacement_at(int vertex) const;
+  /// (3 x W) m, the same of the first nodes; the other columns are not valid. Until the next call.
+  [[nodiscard]] const Eigen::Matrix3Xf& field(Eigen::Index nodes);
+  /// (3 x W) m, the same in a state. Until the next call.
+  [[nodiscard]] const Eigen::Matrix3Xf& field(const VibrationState& state);
+
+  // The tangent: W_ij += y_i . D y_j, with y = Phi^T d of a unit force d.
+
+  [[nodiscard]] std::size_t row_width() const { return width_; }  ///< m, padded (row_kernels.h)
+  /// row += Phi^T force at a vertex. @param row  (row_width())
+  void add_row(int vertex, const Eigen::Vector3f& force, std::span<float> row) const;
+  /// result = D row. @param row, result  (row_width())
+  void times(std::span<const float> row, std::span<float> result) const;
+  /// m/N, y . Omega^-2 y: the part of the modes in a static compliance.
+  [[nodiscard]] double static_compliance(std::span<const float> row) const;
+  [[nodiscard]] std::span<const float> modal_forces() const { return p_; }  ///< p, padded
+
+  /// The state is static under the loads: r = q' = 0.
+  void rest(VibrationState& state, std::span<const VertexForce> loads);
+  /// The step ends: the state becomes that under the loads of the last load().
+  /// @param may_rest  nothing is near: what moves less than can be seen comes to rest
+  void end_step(VibrationState& state, bool may_rest) const;
+  /// Reduces the change of a state since it was `began` to a share of it.
+  void limit_step(VibrationState& state, const VibrationState& began, double share) const;
+
+  /// J, of the modes' motion around their static displacement:
+  /// sum of (q'^2 + omega^2 r^2) / 2.
+  [[nodiscard]] double energy(const VibrationState& state) const;
+  /// m, no vertex is farther from its static position, now or as long as forces do not change.
+  [[nodiscard]] double amplitude(const VibrationState& state) const;
+
+ private:
+  [[nodiscard]] double lag(const VibrationState& state, std::size_t mode) const;
+  void fill(std::span<const float> r, Eigen::Index nodes);
+
+  std::vector<double> omega_;  // (m) rad/s
+  double damping_ = 0;         // zeta
+  std::size_t width_ = 0;      // m, padded
+  RowsOfFloats rows_;          // (3W x width) Phi
+  std::vector<double> largest_;  // (m) 1/sqrt(kg), largest displacement of a skin's vertex in Phi
+
+  // The step.
+  double h_ = 0;                              // s
+  std::vector<double> a_, b_, b_rate_, alpha_;  // (m) A, B, B', alpha
+  std::vector<double> q_, velocity_;          // (m) when the step began
+  std::vector<double> began_;                 // (m) r0
+  std::vector<float> p_, r_, d_;              // (width) modal forces, r, D
+  std::vector<float> of_state_;               // (width) r of a state
+  Eigen::Matrix3Xf field_;                    // (3 x W) m
+};
+
+}  // namespace palpable
