@@ -72,6 +72,8 @@ export interface Frame {
   /** Whether the skins give way to everything that presses. */
   answer: Answer;
   passedThrough: number;
+  /** J, energy of the bodies' motion around their static states. */
+  ringing: number;
 }
 
 /** palpable_touch: one contact patch; vectors in the body frame. */

@@ -212,6 +212,7 @@ export class Session {
       inside: v.getFloat64(at + m.inside, true),
       answer: this.#answers.get(v.getInt32(at + m.answer, true)),
       passedThrough: v.getInt32(at + m.passed_through, true),
+      ringing: v.getFloat64(at + m.ringing, true),
     };
   }
 

@@ -148,6 +148,21 @@ void add_contact_options(Command command, LiveOptions& options) {
       .default_is(
           "that of the body file; in recorded images what their scene.toml or the clip's "
           "truth/friction.txt states, else 0");
+  command
+      .add_option(
+          "--dynamics",
+          [&options](const std::vector<std::string>& words) -> std::string {
+            if (words.front() != "on" && words.front() != "off") {
+              return fmt::format("'{}' is neither on nor off", words.front());
+            }
+            options.run.dynamics = words.front() == "on";
+            return {};
+          },
+          "Whether bodies have inertia, so that what is let go rings: on, where the body file has "
+          "vibration modes (the description gave a density), or off")
+      .type_name("on|off")
+      .words(1, 1)
+      .default_is("on");
   command.add_flag("--press-static", options.run.press_static,
                    "Let also that press the body which is there from the first frame on, its desk "
                    "too. Without it only what comes later presses; a scene.toml may ask for it");

@@ -27,10 +27,11 @@ namespace fs = std::filesystem;
 
 constexpr double kFarthestBody = 100;  // m
 
-constexpr std::array<std::string_view, 21> kThingsOptions{
-    "source", "place",   "scale",  "set",       "contact",   "friction",     "frames",
-    "paced",  "threads", "out",    "overwrite", "events",    "serve",        "write",
-    "stats",  "window",  "colors", "opaque",    "no-window", "print-config", "frame-pictures"};
+constexpr std::array<std::string_view, 22> kThingsOptions{
+    "source",   "place",     "scale",        "set",           "contact", "friction",
+    "dynamics", "frames",    "paced",        "threads",       "out",     "overwrite",
+    "events",   "serve",     "write",        "stats",         "window",  "colors",
+    "opaque",   "no-window", "print-config", "frame-pictures"};
 constexpr std::array<std::string_view, 4> kCameraFiles{"depth", "masks", "stills", "film"};
 
 bool is_among(std::span<const std::string_view> names, std::string_view name) {
@@ -147,6 +148,7 @@ ThingsSetUp set_up_things(const LiveOptions& options) {
   setup.source = options.input.source;
   setup.scene = options.scene;
   setup.paced = options.paced;
+  setup.dynamics = options.run.dynamics;
   const Rigid3 world_from_scene =
       options.place.empty() ? Rigid3::Identity() : world_from_body_of(options.place);
   const std::vector<Rigid3> scene_from_body = scene_from_bodies(setup.bodies);

@@ -71,6 +71,7 @@ class Frame(Structure):
         ("inside", c_double),
         ("answer", c_int32),
         ("passed_through", c_int32),
+        ("ringing", c_double),
     ]
 
 
@@ -125,6 +126,7 @@ _FUNCTIONS = {
     "palpable_load_body": [c_char_p, c_double, POINTER(c_void_p)],
     "palpable_place_body": [c_void_p, c_void_p],
     "palpable_set_friction": [c_void_p, c_double],
+    "palpable_set_dynamics": [c_void_p, c_int32],
     "palpable_open": [c_void_p, c_size_t, POINTER(Setup), POINTER(c_void_p)],
     "palpable_reset": [c_void_p],
     "palpable_feed_stereo": [c_void_p, POINTER(Image), POINTER(Image), c_void_p, c_double],

@@ -29,7 +29,7 @@ from ._views import FrameMemory, View
 _THING = struct.Struct("@NqNNd")
 # palpable_touch and palpable_frame, unpacked in one call, which is faster than member by member.
 _TOUCH = struct.Struct("@N2i9d4dq")
-_FRAME = struct.Struct("@Nd4i16d2d2i")
+_FRAME = struct.Struct("@Nd4i16d2d2id")
 # Types of the library's arrays, as NumPy's protocol for foreign memory names them.
 _FLOATS, _INTS = np.dtype(np.float32).str, np.dtype(np.int32).str
 
@@ -75,6 +75,12 @@ class Body:
         call it is that of the body file, 0 in files without one. Dry silicone rubber on skin has about 0.6."""
         with _PLACING:
             check(library().palpable_set_friction(self._address(), coefficient))
+
+    def set_dynamics(self, on: bool) -> None:
+        """Whether the body has inertia in sessions that are opened later: what is let go rings. Only a body whose file
+        has vibration modes can have it, and has it without this call."""
+        with _PLACING:
+            check(library().palpable_set_dynamics(self._address(), int(on)))
 
     def close(self) -> None:
         """Frees it; a second time does nothing."""
@@ -158,6 +164,7 @@ class Frame(_Record):
     left_to_go: float  #: m, how far the skins still are from their solution; up to 0.3 mm it is reached
     inside: float  #: m, how deep obstacles still are inside the skin
     passed_through: int  #: capsules that passed through a skin between the last two calls without pressing it
+    ringing: float  #: J, energy of the bodies' motion around their static states; 0 without inertia
     camera: CameraState
     wrong_pair: bool  #: the images do not fit the calibration
     world_from_camera: npt.NDArray[np.float64]  #: (4, 4)
@@ -166,7 +173,9 @@ class Frame(_Record):
 
     @staticmethod
     def _read(got: bytes) -> dict[str, Any]:
-        _, time, _, touch_count, camera, wrong_pair, *_, left_to_go, inside, answer, passed_through = _FRAME.unpack(got)
+        _, time, _, touch_count, camera, wrong_pair, *_, left_to_go, inside, answer, passed_through, ringing = (
+            _FRAME.unpack(got)
+        )
         return {
             "time": time,
             "touch_count": touch_count,
@@ -174,6 +183,7 @@ class Frame(_Record):
             "left_to_go": left_to_go,
             "inside": inside,
             "passed_through": passed_through,
+            "ringing": ringing,
             "camera": CameraState(camera),
             "wrong_pair": bool(wrong_pair),
         }

@@ -136,6 +136,8 @@ class ContactBody {
   /// From now on time passes: this much (s) in each step that begins. 0: none; the step corrects
   /// the state, and what moves keeps its velocity. @pre steps_in() is not 0
   virtual void set_time_step(double h) { static_cast<void>(h); }
+  /// The state rings on for this time (s) under the forces that it has. @pre set_time_step(0)
+  virtual void ring_on(double time) { static_cast<void>(time); }
   /// From now on no time passes: steps lead to the static state under the forces. Until
   /// set_time_step() is called again nothing moves.
   virtual void forget_time() {}

@@ -46,7 +46,7 @@ constexpr float kTurnInStep = 0.35f;
 constexpr int kMostRubbingSteps = 3;
 constexpr float kSharpest = 0.001f;  // m, the smallest radius that is looked after here
 
-// s. Where no frame came for longer, as after a pause, no more time passes than this.
+// s. After a longer pause it is not known how obstacles came.
 constexpr double kLongestTime = 0.125;
 
 // m, gap of a contact in a load step, in which obstacles stand back by `shift`, m.
@@ -873,6 +873,19 @@ void ContactFrame::set_time_step(double h) {
   }
 }
 
+// Before a frame whose obstacles have come no way that counts: the first one, or one after a pause,
+// in which bodies ring on under the forces that they had; without time nothing rings.
+void ContactFrame::begin_without_way(std::optional<double> time) {
+  if (time) set_time_step(0);
+  for (const int k : members_) {
+    if (!time) {
+      part(k).body->forget_time();
+    } else if (part(k).body->steps_in(0) > 0) {
+      part(k).body->ring_on(std::max(0.0, *time));
+    }
+  }
+}
+
 // A frame in which time passes. First what obstacles are inside when it begins is corrected: that
 // is not motion but a new measurement, which gives no velocity. Then obstacles come on their ways
 // in as many equal steps as the fastest mode needs.
@@ -909,7 +922,8 @@ void ContactFrame::run_in_time(double largest_move, double time) {
 ContactReport ContactFrame::solve(std::span<const int> members, std::span<const SkinPair> pairs,
                                   double largest_move, std::optional<double> time) {
   begin(members, pairs);
-  is_timed_ = time && steps_in(*time) > 0;
+  const bool has_inertia = time && steps_in(*time) > 0;
+  is_timed_ = has_inertia && *time > 0 && *time <= kLongestTime;
   search_.find(0);
   double depth = 0;
   for (const Contact& c : search_.contacts()) {
@@ -919,9 +933,9 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
   is_entered_ = false;
   done_before_ = 0;
   if (is_timed_) {
-    run_in_time(largest_move, std::clamp(*time, 0.0, kLongestTime));
+    run_in_time(largest_move, *time);
   } else {
-    for (const int k : members_) part(k).body->forget_time();
+    begin_without_way(has_inertia ? time : std::nullopt);
     run_steps(depth, largest_move);
   }
   end_frame(largest_move);

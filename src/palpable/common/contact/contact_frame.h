@@ -167,6 +167,7 @@ class ContactFrame {
   [[nodiscard]] int steps_in(double time) const;
   [[nodiscard]] bool is_anything_near() const;
   void set_time_step(double h);
+  void begin_without_way(std::optional<double> time);
   void run_in_time(double largest_move, double time);
 
   std::span<ContactPart> parts_;

@@ -83,8 +83,9 @@ class ContactSolver {
   /// Advances the states to those in which nothing enters a body. Pure: the same states and gaps
   /// give the same bytes.
   /// @param near  of each member
-  /// @param time  s, since the frame before, at most an eighth of a second counts: bodies with
-  ///              inertia move. None: the static state, without motion
+  /// @param time  s, since the frame before: bodies with inertia move. After more than an eighth of
+  ///              a second obstacles are where they are, as without time, and what rang has rung on.
+  ///              None: the static state, without motion
   ContactReport advance(std::span<const Near> near, std::optional<double> time = {});
 
   // These are for one member, after the frame advanced last.

@@ -54,9 +54,10 @@ Inertia::Inertia(const VibrationTable& table, int nodes)
     }
     largest_.push_back(largest);
   }
-  for (auto* list : {&a_, &b_, &b_rate_, &alpha_, &q_, &velocity_, &began_}) {
+  for (auto* list : {&q_, &velocity_, &began_}) {
     list->resize(omega_.size());
   }
+  step_.resize(omega_.size());
   for (auto* list : {&p_, &r_, &d_, &of_state_}) list->resize(width_);
   set_step(0);
 }
@@ -68,17 +69,29 @@ int Inertia::steps_in(double time) const {
   return std::max(1, static_cast<int>(steps));
 }
 
+Inertia::Propagator Inertia::over(double time, double omega) const {
+  const double decay = damping_ * omega, omega_d = omega * std::sqrt(1 - damping_ * damping_);
+  const double left = std::exp(-decay * time);
+  const double s = left * std::sin(omega_d * time), c = left * std::cos(omega_d * time);
+  return {c + decay / omega_d * s, s / omega_d, c - decay / omega_d * s};
+}
+
 void Inertia::set_step(double h) {
   h_ = h;
   for (std::size_t k = 0; k < omega_.size(); ++k) {
-    const double omega = omega_[k], decay = damping_ * omega;
-    const double omega_d = omega * std::sqrt(1 - damping_ * damping_);
-    const double left = std::exp(-decay * h), s = std::sin(omega_d * h), c = std::cos(omega_d * h);
-    a_[k] = left * (c + decay / omega_d * s);
-    b_[k] = left * s / omega_d;
-    b_rate_[k] = left * (c - decay / omega_d * s);
-    alpha_[k] = (1 - a_[k]) / (omega * omega);
-    d_[k] = h > 0 ? static_cast<float>(-a_[k] / (omega * omega)) : 0.0f;
+    step_[k] = over(h, omega_[k]);
+    // alpha - Omega^-2 with alpha = (1 - A) / omega^2.
+    d_[k] = h > 0 ? static_cast<float>(-step_[k].a / (omega_[k] * omega_[k])) : 0.0f;
+  }
+}
+
+void Inertia::ring_on(VibrationState& state, double time) {
+  if (!state.moves) return;
+  for (std::size_t k = 0; k < omega_.size(); ++k) {
+    const Propagator p = over(time, omega_[k]);
+    const double square = omega_[k] * omega_[k], r = lag(state, k), v = state.velocity[k];
+    state.q[k] = p.a * r + p.b * v + state.force[k] / square;
+    state.velocity[k] = -square * p.b * r + p.b_rate * v;
   }
 }
 
@@ -93,7 +106,7 @@ void Inertia::begin_step(const VibrationState& state, std::span<const VertexForc
   for (std::size_t k = 0; k < omega_.size(); ++k) {
     q_[k] = is_new ? 0 : state.q[k];
     velocity_[k] = is_new ? 0 : state.velocity[k];
-    began_[k] = h_ > 0 ? a_[k] * q_[k] + b_[k] * velocity_[k] : lag(state, k);
+    began_[k] = h_ > 0 ? step_[k].a * q_[k] + step_[k].b * velocity_[k] : lag(state, k);
   }
   load(loads);
 }
@@ -169,8 +182,9 @@ void Inertia::end_step(VibrationState& state, bool may_rest) const {
     is_loaded |= p != 0;
     state.force[k] = p;
     if (h_ > 0) {
-      state.q[k] = a_[k] * q_[k] + b_[k] * velocity_[k] + alpha_[k] * p;
-      state.velocity[k] = -square * b_[k] * q_[k] + b_rate_[k] * velocity_[k] + b_[k] * p;
+      const Propagator& step = step_[k];
+      state.q[k] = step.a * q_[k] + step.b * velocity_[k] + (1 - step.a) / square * p;
+      state.velocity[k] = -square * step.b * q_[k] + step.b_rate * velocity_[k] + step.b * p;
     } else {
       state.q[k] = began_[k] + p / square;
       state.velocity[k] = velocity_[k];

@@ -86,6 +86,8 @@ class Inertia {
 
   /// The state is static under the loads: r = q' = 0.
   void rest(VibrationState& state, std::span<const VertexForce> loads);
+  /// Time passes for a state under the forces that it has. Sets no step.
+  void ring_on(VibrationState& state, double time);
   /// The step ends: the state becomes that under the loads of the last load().
   /// @param may_rest  nothing is near: what moves less than can be seen comes to rest
   void end_step(VibrationState& state, bool may_rest) const;
@@ -110,7 +112,11 @@ class Inertia {
 
   // The step.
   double h_ = 0;                              // s
-  std::vector<double> a_, b_, b_rate_, alpha_;  // (m) A, B, B', alpha
+  struct Propagator {
+    double a = 1, b = 0, b_rate = 1;  // A, B, B'
+  };
+  [[nodiscard]] Propagator over(double time, double omega) const;
+  std::vector<Propagator> step_;  // (m)
   std::vector<double> q_, velocity_;          // (m) when the step began
   std::vector<double> began_;                 // (m) r0
   std::vector<float> p_, r_, d_;              // (width) modal forces, r, D

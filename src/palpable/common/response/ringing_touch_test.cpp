@@ -218,6 +218,20 @@ TEST_CASE("a hit: its force in steps of different length, and in frames that are
             .epsilon(tolerance(0.01, "iterations of a step end at 0.02 mm")));
 }
 
+TEST_CASE("after a pause a body has rung on, and what presses it is where it is", "[contact]") {
+  Hit hit(0.3), still(0.3);
+  hit.advance({0, 0, -0.004}, std::nullopt);
+  hit.let_go(0.01);
+  const double energy = hit.report.ringing;
+  REQUIRE(energy > 0);
+  hit.let_go(0.3);
+  CHECK(hit.report.ringing < 0.1 * energy);
+  CHECK(hit.report.ringing > 0);
+  hit.advance({0, 0, -0.003}, 60.0);  // came unseen: no velocity
+  still.advance({0, 0, -0.003}, std::nullopt);
+  CHECK((hit.state.u - still.state.u).norm() < tolerance(1e-3f, "softness") * still.state.u.norm());
+}
+
 TEST_CASE("what enters by no motion gives no velocity", "[contact]") {
   Hit hit(0.0);
   hit.advance({0, 0, 0.001}, 0.033);

@@ -151,7 +151,7 @@ TablesBody::Work::Work(const SurfaceMesh& surface_mesh, std::span<const std::uin
       next(static_cast<std::size_t>(rest.cols())),
       tangent(most_modes(tables), inertia_width(tables)) {
   shape = &no_displacement;
-  if (tables.vibration) {
+  if (tables.vibration && settings.inertia) {
     inertia.emplace(*tables.vibration, compliance.nodes());
     inertia->rest(vibration_at_start, {});
   }
@@ -234,8 +234,7 @@ void TablesBody::begin_frame() {
 
 bool TablesBody::is_at_rest() const {
   const TouchState& state = *work_->state;
-  return state.u.cols() > 0 && state.forces.empty() && state.u.isZero(0) &&
-         !state.vibration.moves;
+  return state.u.cols() > 0 && state.forces.empty() && state.u.isZero(0) && !state.vibration.moves;
 }
 
 int TablesBody::steps_in(double time) const {
@@ -247,9 +246,18 @@ void TablesBody::set_time_step(double h) {
   work_->inertia->set_step(h);
 }
 
-void TablesBody::forget_time() {
-  work_->is_timed = false;
+void TablesBody::ring_on(double time) {
+  Work& w = *work_;
+  TouchState& state = *w.state;
+  if (!state.vibration.moves) return;
+  state.u -= w.inertia->field(state.vibration);
+  w.inertia->ring_on(state.vibration, time);
+  state.u += w.inertia->field(state.vibration);
+  w.shape = &state.u;
+  w.forget_surface();
 }
+
+void TablesBody::forget_time() { work_->is_timed = false; }
 
 double TablesBody::ringing() const {
   return work_->inertia ? work_->inertia->energy(work_->state->vibration) : 0.0;

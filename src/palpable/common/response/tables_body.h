@@ -6,8 +6,9 @@
 ///            + motion of the vibration modes
 ///
 /// with G from compliance.h, regions and patches from nonlinear_response.h, corrections from
-/// refinement.h, and the last term, if time passes, from inertia.h. The tangent is J = G + U H U^T, with U the modes of the regions and H the
-/// derivative of their amplitudes by the modal coordinates of the load.
+/// refinement.h, and the last term, if time passes, from inertia.h. The tangent is J = G + U H U^T,
+/// with U the modes of the regions and H the derivative of their amplitudes by the modal
+/// coordinates of the load.
 ///
 ///   V  vertices of the tables, of the skin or of a coarser one that carries it
 ///   F  vertices of the body's skin, V where it is not carried
@@ -52,6 +53,8 @@ struct TouchSettings {
   int blend_frames = 6;   ///< over which a full-order solution is blended in
   /// Coulomb's coefficient of friction of the skin; none: that of the tables
   std::optional<double> friction = {};
+  /// Whether the body has inertia in frames with time, if the tables have vibration modes.
+  bool inertia = true;
 };
 
 /// How the tables were used in a frame, and the error stated for its state.
@@ -110,6 +113,7 @@ class TablesBody final : public ContactBody {
   [[nodiscard]] double friction() const override;
   [[nodiscard]] int steps_in(double time) const override;
   void set_time_step(double h) override;
+  void ring_on(double time) override;
   void forget_time() override;
   [[nodiscard]] double ringing() const override;
   [[nodiscard]] double amplitude() const override;

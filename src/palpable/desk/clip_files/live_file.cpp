@@ -143,6 +143,7 @@ Json json_of(const LiveSummary& summary) {
   if (rubs || summary.friction_residual > 0) {
     live["friction_residual_m"] = summary.friction_residual;
   }
+  if (summary.ringing > 0) live["ringing_j"] = summary.ringing;
   live["frames_step_limited"] = summary.frames_step_limited;
   live["frames_contacts_dropped"] = summary.frames_contacts_dropped;
   live["site_changes"] = summary.site_changes;

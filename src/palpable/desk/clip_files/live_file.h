@@ -110,6 +110,9 @@ struct LiveSummary {
   /// m, by how much the conditions of friction were not met, largest of all frames;
   /// "friction_residual_m", left out without friction.
   double friction_residual = 0;
+  /// J, the largest energy of the bodies' motion around their static states; "ringing_j", left out
+  /// where no body had inertia.
+  double ringing = 0;
   /// Frames in which a body did not reach its equilibrium: contact had not converged, or an
   /// obstacle moved farther than the step limit of the body.
   int frames_step_limited = 0;

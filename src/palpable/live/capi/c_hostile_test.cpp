@@ -536,6 +536,7 @@ TEST_CASE("a frame of a camera is not judged, and an older caller gets no more t
   static_assert(offsetof(palpable_frame, inside) == 168);
   static_assert(offsetof(palpable_frame, answer) == 176);
   static_assert(offsetof(palpable_frame, passed_through) == 180);
+  static_assert(offsetof(palpable_frame, ringing) == 184);
   auto old = test::sized<palpable_frame>();
   old.size = offsetof(palpable_frame, inside);
   old.inside = 7;

@@ -53,7 +53,7 @@ void palpable_session::reset() {
   } else {
     std::vector<palpable::PressedBodies::Member> members;
     for (const palpable_body& body : bodies) {
-      members.push_back({body.body, body.world_from_body, body.friction});
+      members.push_back({body.body, body.world_from_body, body.friction, body.dynamics});
     }
     press_ = std::make_unique<palpable::PressedBodies>(std::move(members));
     press_->keep({.contact_pressure = true});
@@ -63,7 +63,7 @@ void palpable_session::reset() {
   things.clear();
   frames = 0;
   time = std::numeric_limits<double>::quiet_NaN();
-  left_to_go = inside = 0;
+  left_to_go = inside = ringing = 0;
   answer = PALPABLE_NOT_JUDGED;
   passed_through = 0;
   arrays_are_kept = false;
@@ -108,7 +108,8 @@ void palpable::show_rest(std::span<const palpable_body> bodies, std::vector<Scen
   }
 }
 
-void palpable_session::process_things(std::span<const palpable_thing> the_things, double at) {
+void palpable_session::process_things(std::span<const palpable_thing> the_things, double at,
+                                      bool moves) {
   is_broken = true;
   capsules_.clear();
   for (const palpable_thing& thing : the_things) {
@@ -128,7 +129,10 @@ void palpable_session::process_things(std::span<const palpable_thing> the_things
     things_.push_back({thing.id, rest.first(thing.count), friction});
     rest = rest.subspan(thing.count);
   }
-  const palpable::ContactReport report = press_->advance(things_, shown_, touches_);
+  std::optional<double> passed;
+  if (moves) passed = frames == 0 ? 0.0 : at - time;
+  const palpable::ContactReport report = press_->advance(things_, shown_, touches_, passed);
+  ringing = report.ringing;
   left_to_go = report.left();
   inside = report.inside();
   answer = answer_of(report.reached());

@@ -25,6 +25,7 @@ struct palpable_body {
   std::shared_ptr<const palpable::TouchableBody> body;
   palpable::Rigid3 world_from_body = palpable::Rigid3::Identity();
   std::optional<double> friction = {};  ///< none: that of the body's tables
+  bool dynamics = true;                 ///< palpable_set_dynamics()
 };
 
 namespace palpable {
@@ -58,7 +59,8 @@ struct palpable_session {
 
   /// @param things  within the limits of thing_limits.h; their ids differ
   /// @param at      s
-  void process_things(std::span<const palpable_thing> things, double at);
+  /// @param moves   whether time passes for the bodies since the last frame
+  void process_things(std::span<const palpable_thing> things, double at, bool moves);
 
   /// Moves the arrays of the last frame out. shown() has none until the next one.
   [[nodiscard]] palpable_kept_frame keep_frame();
@@ -81,6 +83,7 @@ struct palpable_session {
   double inside = 0;                                       ///< m, palpable_frame::inside
   palpable_answer answer = PALPABLE_NOT_JUDGED;
   int passed_through = 0;            ///< palpable_frame::passed_through
+  double ringing = 0;                ///< J, palpable_frame::ringing
   std::vector<std::int64_t> things;  ///< ids of the last frame's, to which Touch::thing is an index
   bool arrays_are_kept = false;      ///< by keep_frame(), since the last frame
   bool is_broken = false;            ///< a call was interrupted by an exception

@@ -145,6 +145,13 @@ palpable_status palpable_set_friction(palpable_body* body, double coefficient) {
   });
 }
 
+palpable_status palpable_set_dynamics(palpable_body* body, int32_t on) {
+  return guarded([&] {
+    require(body != nullptr, "body is null");
+    body->dynamics = on != 0;
+  });
+}
+
 void palpable_free_body(palpable_body* body) { delete body; }
 
 palpable_status palpable_open(const palpable_body* const* bodies, size_t count,
@@ -183,7 +190,7 @@ palpable_status palpable_press(palpable_session* session, const palpable_capsule
     require_at_most(palpable::kMostThingCapsules, count, "capsules");
     for (std::size_t k = 0; k < count; ++k) check_capsule(capsules[k], k);
     const palpable_thing thing{sizeof(palpable_thing), 0, capsules, count, PALPABLE_NO_FRICTION};
-    open.process_things({&thing, 1}, open.frames == 0 ? 1 : open.time + 1);
+    open.process_things({&thing, 1}, open.frames == 0 ? 1 : open.time + 1, false);
   });
 }
 
@@ -198,7 +205,7 @@ palpable_status palpable_press_at(palpable_session* session, const palpable_thin
     for (std::size_t k = 0; k < count; ++k) taken[k] = checked_thing(things, k);
     const std::span<const palpable_thing> checked = std::span(taken).first(count);
     check_together(checked);
-    open.process_things(checked, seconds);
+    open.process_things(checked, seconds, true);
   });
 }
 
@@ -216,6 +223,7 @@ palpable_status palpable_get_frame(const palpable_session* session, palpable_fra
     result.inside = open.inside;
     result.answer = open.answer;
     result.passed_through = open.passed_through;
+    result.ringing = open.ringing;
     hand_out(result, kLeastFrame, frame, "frame");
   });
 }

@@ -97,6 +97,12 @@ PALPABLE_API palpable_status palpable_place_body(palpable_body* body,
  * one. Dry silicone rubber on skin has about 0.6. */
 PALPABLE_API palpable_status palpable_set_friction(palpable_body* body, double coefficient);
 
+/** Whether the body has inertia in sessions that are opened later: what is let go rings, and a hit
+ * is opposed by mass. Only a body whose file has vibration modes (a density was given when it was
+ * baked) can have it, and has it without this call.
+ * @param on  0: the body is always in the static state under its forces */
+PALPABLE_API palpable_status palpable_set_dynamics(palpable_body* body, int32_t on);
+
 /** Frees a body. Sessions that were opened on it stay valid. Null is allowed. */
 PALPABLE_API void palpable_free_body(palpable_body* body);
 
@@ -222,7 +228,9 @@ typedef struct palpable_thing {
 #define PALPABLE_NO_THING INT64_MIN /**< palpable_touch::thing where none is known */
 
 /** Processes one frame of a session with PALPABLE_NO_CAMERA: the skins deform until they no longer
- * penetrate the capsules. Bodies with friction are taken along by things that slide over them. From
+ * penetrate the capsules. Bodies with friction are taken along by things that slide over them, and
+ * those with inertia move on by the time since the previous call, an eighth of a second at most:
+ * capsules come to them on their ways, and what is let go rings. From
  * call to call a capsule should advance by less than its radius: the skin may slip to the other
  * side of one that jumps farther. PALPABLE_OK says that the call was processed, and
  * palpable_frame::answer whether the skins give way to all capsules.
@@ -234,7 +242,7 @@ PALPABLE_API palpable_status palpable_press_at(palpable_session* session,
                                                double seconds);
 
 /** palpable_press_at() with one thing without friction whose id is 0, a second after the previous
- * call; the first call is at 1 s. */
+ * call; the first call is at 1 s. No body has inertia in it: the skins come to rest at once. */
 PALPABLE_API palpable_status palpable_press(palpable_session* session,
                                             const palpable_capsule* capsules, size_t count);
 
@@ -286,6 +294,9 @@ typedef struct palpable_frame {
    * radius in a call may, and those to which the skin did not give way. Of things that had equally
    * many capsules in all of these calls, in the same order. */
   int32_t passed_through;
+  /** J, energy of the bodies' motion around their static states after the last call; 0 where
+   * nothing moves, without inertia and with a camera. */
+  double ringing;
 } palpable_frame;
 
 PALPABLE_API palpable_status palpable_get_frame(const palpable_session* session,

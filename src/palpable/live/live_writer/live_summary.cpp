@@ -82,6 +82,7 @@ void add_contact(const LiveCounts& counts, const RunFigures& figures, const Live
   result.frames_step_limited = counts.left_to_move;
   result.frames_contacts_dropped = counts.dropped;
   result.friction_residual = counts.friction_residual;
+  result.ringing = counts.ringing;
   result.site_changes = counts.site_changes;
   result.stats = stats_of(figures);
   result.processed = counts.processed;

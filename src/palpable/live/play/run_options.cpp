@@ -113,6 +113,7 @@ SessionSettings session_settings(const RunOptions& options) {
   settings.track = !options.fixed_camera;
   settings.map = true;
   settings.press_static = options.press_static;
+  settings.dynamics = options.dynamics;
   return settings;
 }
 
@@ -125,6 +126,7 @@ void add_run_options(const RunOptions& options, Json& run) {
   run["fixed_camera"] = options.fixed_camera;
   run["press_static"] = options.press_static;
   run["friction"] = options.friction ? Json(*options.friction) : Json();
+  run["dynamics"] = options.dynamics;
   run["refine"] = options.refine.string();
 }
 
@@ -146,6 +148,8 @@ RunOptions run_options_of(const Json& run) {
   } else if (!run["friction"].is_null()) {
     options.friction = run["friction"].get<double>();
   }
+  // Likewise: they were made without inertia.
+  options.dynamics = run.contains("dynamics") && run["dynamics"].get<bool>();
   options.refine = run["refine"].get<std::string>();
   expect_known(options);
   return options;

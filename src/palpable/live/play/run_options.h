@@ -38,6 +38,7 @@ struct RunOptions {
   bool press_static = false;
   /// Coulomb's coefficient of friction of all skins; none: that of each body file
   std::optional<double> friction;
+  bool dynamics = true;          ///< bodies whose files have vibration modes have inertia
   std::filesystem::path refine;  ///< the body's description; empty: no refinement
 };
 

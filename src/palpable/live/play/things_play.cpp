@@ -111,7 +111,7 @@ LiveSummary summary_before(const ThingsSetUp& setup) {
 // The bodies of a run, and what presses them now.
 class ThingsPress {
  public:
-  explicit ThingsPress(std::vector<PlacedBody> standing) {
+  ThingsPress(std::vector<PlacedBody> standing, bool dynamics) : dynamics_(dynamics) {
     std::vector<PressedBodies::Member> members;
     for (PlacedBody& body : standing) {
       poses_.push_back(body.world_from_body);
@@ -134,7 +134,8 @@ class ThingsPress {
     scene.camera = {};
     scene.camera.state = TrackState::kFixed;
     scene.bodies.resize(poses_.size());
-    const ContactReport report = bodies_->advance(things_, scene.bodies, scene.touches);
+    const ContactReport report =
+        bodies_->advance(things_, scene.bodies, scene.touches, passed(line.time));
     for (std::size_t k = 0; k < poses_.size(); ++k) scene.bodies[k].camera_from_body = poses_[k];
     scene.mutual_penetration = report.mutual_penetration;
     scene.imbalance = report.imbalance;
@@ -143,21 +144,32 @@ class ThingsPress {
     scene.answer = report.reached();
     scene.contacts_dropped = report.dropped;
     scene.friction_residual = report.friction_residual;
+    scene.ringing = report.ringing;
   }
 
   // Fills a scene with the bodies at rest. Results do not depend on whether it was called.
   void show_at_rest(Scene& scene) {
     press({}, scene);
     bodies_->forget();
+    before_.reset();
   }
 
   [[nodiscard]] int passed_through() const { return bodies_->passed_through(); }
 
  private:
+  // s since the line before; nothing without inertia.
+  std::optional<double> passed(double time) {
+    const double passed = before_ ? std::max(0.0, time - *before_) : 0.0;
+    before_ = time;
+    return dynamics_ ? std::optional(passed) : std::nullopt;
+  }
+
   std::vector<Rigid3> poses_;  // world_from_body
   std::vector<ThingsPicture::Body> drawn_;
   std::unique_ptr<PressedBodies> bodies_;
   std::vector<CapsuleThing> things_;
+  bool dynamics_;
+  std::optional<double> before_;  // s, of the line before
 };
 
 // Where a run's lines come from.
@@ -258,7 +270,7 @@ class ThingsLoop {
         page_(page),
         lines_(lines_of(setup, from, events)),
         approach_(setup.standing),
-        press_(std::move(setup.standing)) {
+        press_(std::move(setup.standing), setup.dynamics) {
     if (options.window || page_.is_served()) press_.show_at_rest(scene_);
     if (!draws(options, from)) return;
     show_.emplace(options, press_.drawn(), scale,

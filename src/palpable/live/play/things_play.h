@@ -29,6 +29,7 @@ struct ThingsSetUp {
   /// Lines are played at their own pace, by their times, without skipping any; else as fast as they
   /// are solved.
   bool paced = false;
+  bool dynamics = true;  ///< RunOptions::dynamics
 };
 
 /// One run. The constructor acquires the output folder and the sockets, before bodies are read.

@@ -32,6 +32,7 @@ void LiveCounts::count_touches(const Scene& scene) {
   left_to_move += scene.left_to_move > 0;
   dropped += scene.contacts_dropped > 0;
   friction_residual = std::max(friction_residual, scene.friction_residual);
+  ringing = std::max(ringing, scene.ringing);
   later += scene.answer == Reached::kLater;
   not_reached += scene.answer == Reached::kNot;
   if (scene.touches.empty()) return;

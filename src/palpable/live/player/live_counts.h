@@ -29,6 +29,7 @@ struct LiveCounts {
   double imbalance = 0;  ///< N, largest (Scene::imbalance)
 
   double friction_residual = 0;  ///< m, largest (Scene::friction_residual)
+  double ringing = 0;            ///< J, largest (Scene::ringing)
 
   int left_to_move = 0;            ///< frames with Scene::left_to_move
   int later = 0, not_reached = 0;  ///< frames with these Scene::answer

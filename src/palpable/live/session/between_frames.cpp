@@ -51,7 +51,8 @@ BetweenFrames::BetweenFrames(const Session& session)
     : region_(box_of(session.body().model().surface)),
       contact_(session.body().model().surface, session.body().model().fixed, tables_of(session),
                session.settings().touch),
-      surface_(session.body().response.surface().settings()) {}
+      surface_(session.body().response.surface().settings()),
+      dynamics_(session.settings().dynamics) {}
 
 void BetweenFrames::begin(const SolvedFrame& frame) {
   if (frame.interval) {
@@ -74,14 +75,16 @@ void BetweenFrames::advance(double ahead) {
   for (ObjectBall& ball : balls_) ball.way *= part;
   surface_.build(balls_, region_, camera_);
   // The step limit is for one frame: between frames a share of it applies.
-  const double share = std::clamp((ahead - ahead_) / frame, 0.0, 1.0);
+  const double passed = ahead - ahead_;
+  const double share = std::clamp(passed / frame, 0.0, 1.0);
   ahead_ = ahead;
-  if (surface_.balls().empty() && state_.forces.empty()) {
+  if (surface_.balls().empty() && state_.forces.empty() && !state_.vibration.moves) {
     touches_.clear();
     return;
   }
   const double largest = std::max(share * SkinContact::kMove, 2 * surface_.moved());
-  contact_.solver().advance(state_, surface_, largest);
+  const std::optional<double> time = dynamics_ ? std::optional(passed) : std::nullopt;
+  contact_.solver().advance(state_, surface_, largest, time);
   contact_.find_touches(state_, &surface_, {}, touches_);
 }
 

@@ -81,6 +81,7 @@ class BetweenFrames {
   SkinContact contact_;
   SurfaceMotion motion_;
   ObjectSurface surface_;
+  bool dynamics_;  // SessionSettings::dynamics
   Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
   double ahead_ = 0;  // s after the frame, of the last advance()
   std::vector<ObjectBall> balls_;

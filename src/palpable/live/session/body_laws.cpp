@@ -63,10 +63,11 @@ void TablesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touch
   touches.clear();
   is_moved_ = false;
   if (refiner) refiner->begin_frame(contact_.solver(), state_);
-  const TouchReport report = contact_.advance(state_, pressing.seen, touches);
+  const TouchReport report = contact_.advance(state_, pressing.seen, touches, pressing.at.passed);
   if (refiner) refiner->end_frame(contact_.solver(), state_, report);
   report_ = report;
   stated_ = report.stated;
+  is_moved_ = state_.vibration.moves;
 }
 
 void TablesLaw::reconstruct(const RestShape& rest, const std::vector<Touch>& touches,
@@ -139,7 +140,7 @@ void ModesLaw::reconstruct(const RestShape& rest, const std::vector<Touch>&,
 
 void SitesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touches) {
   touches.clear();
-  state_ = law_.advance(state_, pressing.seen, pressing.time);
+  state_ = law_.advance(state_, pressing.seen, pressing.at.time);
   if (state_.touch) touches.push_back(*state_.touch);
 }
 

@@ -47,10 +47,16 @@ enum class ContactKind {
 /// "anywhere", "site" or "paper".
 [[nodiscard]] std::string_view name_of(ContactKind kind);
 
+/// When a frame was taken.
+struct FrameTime {
+  double time = 0;                    ///< s
+  std::optional<double> passed = {};  ///< s since the frame before; none: without inertia
+};
+
 /// What presses a body in one frame: the input of find_touches().
 struct Pressing {
   const ObjectSurface& seen;  ///< the surface of real things, body frame
-  double time = 0;            ///< s, of the frame
+  FrameTime at;
   /// m, body frame: points of another body's skin. PaperLaw alone reads them.
   std::span<const Eigen::Vector3f> others;
   int by = -1;  ///< the number of that body
@@ -91,7 +97,7 @@ class TablesLaw {
   const TouchTables* tables_;
   SkinContact contact_;
   TouchState state_;
-  // The body was solved with others and is not at rest, even if nothing touches it in this frame.
+  // The body was solved with others and is not at rest, or rings, even if nothing touches it.
   bool is_moved_ = false;
   ContactReport report_;
   std::optional<StatedError> stated_;

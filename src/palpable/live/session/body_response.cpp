@@ -18,7 +18,8 @@ BodyResponse::BodyResponse(TouchableBody body, const ResponseSettings& settings,
       surface_(settings.surface),
       law_(make_law(settings, twin)) {
   if (deforms()) coefficient_ = contact_body().friction();
-  if (coefficient_ > 0) friction_.emplace();
+  const bool has_inertia = settings.dynamics && tables() != nullptr && tables()->vibration;
+  if (coefficient_ > 0 || has_inertia) friction_.emplace();
 }
 
 BodyLaw BodyResponse::make_law(const ResponseSettings& settings, const BodyResponse* twin) {
@@ -70,16 +71,16 @@ void BodyResponse::look(const SeenFrame& seen, const MaskImage& shows, const Ima
   friction_->add(surface_, camera.cast<float>(), seen.time);
 }
 
-void BodyResponse::find_touches(double time, std::span<const Eigen::Vector3f> others, int by,
-                                std::vector<Touch>& touches) {
-  const Pressing pressing{surface_, time, others, by};
+void BodyResponse::find_touches(const FrameTime& at, std::span<const Eigen::Vector3f> others,
+                                int by, std::vector<Touch>& touches) {
+  const Pressing pressing{surface_, at, others, by};
   std::visit([&](auto& law) { law.find_touches(pressing, touches); }, law_);
   for (Touch& touch : touches) state_friction(touch);
 }
 
 // States how a seen obstacle rubs where it presses.
 void BodyResponse::state_friction(Touch& touch) const {
-  if (!friction_ || touch.by >= 0) return;
+  if (!(coefficient_ > 0) || touch.by >= 0) return;
   const auto found = surface_.nearest(touch.point_in_body.cast<float>());
   if (!found) return;
   const ObjectBall& ball = surface_.balls()[static_cast<std::size_t>(found->ball)];

@@ -32,6 +32,7 @@ namespace palpable {
 /// How touches are found, for each contact law.
 struct ResponseSettings {
   ContactKind contact = ContactKind::kAnywhere;
+  bool dynamics = true;  ///< SessionSettings::dynamics
   ObjectSurfaceSettings surface{};
   TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of a camera's depth error
   PressSettings press{};
@@ -61,11 +62,11 @@ class BodyResponse {
 
   /// The touches of a frame, the strongest first. If the body has joined a solver, that must have
   /// solved the frame before.
-  /// @param time     s, of the frame
+  /// @param at       of the frame
   /// @param others   m, body frame: points of another body's skin, if reads_others()
   /// @param by       number of that body
   /// @param touches  overwritten
-  void find_touches(double time, std::span<const Eigen::Vector3f> others, int by,
+  void find_touches(const FrameTime& at, std::span<const Eigen::Vector3f> others, int by,
                     std::vector<Touch>& touches);
   /// Whether the law reads the points of another body's skin.
   [[nodiscard]] bool reads_others() const;
@@ -110,7 +111,7 @@ class BodyResponse {
   [[nodiscard]] double coefficient() const { return coefficient_; }
   [[nodiscard]] const ReducedBody& body() const { return body_; }
   [[nodiscard]] const ObjectSurface& surface() const { return surface_; }
-  /// The motion of that surface; null for a body without friction.
+  /// The motion of that surface; null for a body that has neither friction nor inertia.
   [[nodiscard]] const SurfaceFriction* friction() const {
     return friction_ ? &*friction_ : nullptr;
   }
@@ -128,7 +129,7 @@ class BodyResponse {
   BodyLaw law_;
   std::optional<PrescribedSkin> obstacle_;   // made by contact_body()
   double coefficient_ = 0;                   // of friction
-  std::optional<SurfaceFriction> friction_;  // of a body that has friction
+  std::optional<SurfaceFriction> friction_;  // of a body that has friction or inertia
 };
 
 }  // namespace palpable

@@ -67,6 +67,7 @@ struct Scene {
   /// m, by how much the conditions of friction are not met (ContactReport::friction_residual); the
   /// largest of all bodies. 0 without friction.
   double friction_residual = 0;
+  double ringing = 0;        ///< J, of all bodies' motion around their static states
   int contacts_dropped = 0;  ///< contact points near an obstacle for which there was no room
   TrackedPose camera;        ///< identity and kFixed when nothing is tracked
   /// 255 where something moves, of the depth's size. Empty if motion is not searched, or when the

@@ -100,6 +100,7 @@ PressingMaskSettings fitted(PressingMaskSettings pressing, const FrameFormat& fo
 ResponseSettings response_settings(const SessionSettings& s, const DepthCamera& camera,
                                    const FrameFormat& format) {
   return {.contact = s.contact,
+          .dynamics = s.dynamics,
           .surface = fitted(s.surface, camera, format, s.depth.matcher),
           .touch = s.touch,
           .press = s.press,
@@ -136,6 +137,7 @@ struct Session::Parts {
   void find_hidden_parts(Scene& scene);
   void find_pressers(const Scene& scene);
   int gather_others(std::size_t of);
+  [[nodiscard]] std::optional<double> take_time(double now);
   void find_touches(Scene& scene);
   void respond(Scene& scene, const SlamFrame& found);
 
@@ -153,6 +155,7 @@ struct Session::Parts {
   const MaskImage* shows = nullptr;  // of the last frame, in `pressing`
   SceneExtras extras;
   std::vector<Eigen::Vector3f> others;  // of gather_others()
+  std::optional<double> before;         // s, of the frame before
 };
 
 // A body of the session with the same modes as this one; null: there is none.
@@ -280,6 +283,13 @@ int Session::Parts::gather_others(std::size_t of) {
   return -1;
 }
 
+// s since the frame before; nothing without inertia.
+std::optional<double> Session::Parts::take_time(double now) {
+  const double passed = before ? std::max(0.0, now - *before) : 0.0;
+  before = now;
+  return settings.dynamics ? std::optional(passed) : std::nullopt;
+}
+
 // Finds the touches of all bodies, the strongest first; of equal ones that of the lower body
 // number.
 void Session::Parts::find_touches(Scene& scene) {
@@ -289,29 +299,32 @@ void Session::Parts::find_touches(Scene& scene) {
                              scene.bodies[k].camera_from_body);
   }
   scene.mutual_penetration = scene.imbalance = scene.left_to_move = scene.inside = 0;
-  scene.friction_residual = 0;
+  scene.friction_residual = scene.ringing = 0;
+  const std::optional<double> passed = take_time(scene.time);
   scene.contacts_dropped = 0;
   if (together) {
     near.clear();
     for (const auto& body : bodies) near.push_back(body->response.near());
-    const ContactReport report = together->advance(near);
+    const ContactReport report = together->advance(near, passed);
     scene.mutual_penetration = report.mutual_penetration;
     scene.imbalance = report.imbalance;
     scene.left_to_move = report.unsolved();
     scene.inside = report.inside();
     scene.contacts_dropped = report.dropped;
     scene.friction_residual = report.friction_residual;
+    scene.ringing = report.ringing;
   }
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     RememberedBody& body = *bodies[k];
     const int by = gather_others(k);
-    body.response.find_touches(scene.time, others, by, body.touches);
+    body.response.find_touches({scene.time, passed}, others, by, body.touches);
     if (!together) {
       const ContactReport report = body.response.report();
       scene.left_to_move = std::max(scene.left_to_move, report.unsolved());
       scene.inside = std::max(scene.inside, report.inside());
       scene.contacts_dropped += report.dropped;
       scene.friction_residual = std::max(scene.friction_residual, report.friction_residual);
+      scene.ringing += report.ringing;
     }
     for (Touch& touch : body.touches) {
       touch.body = static_cast<int>(k);

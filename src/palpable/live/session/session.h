@@ -58,6 +58,9 @@ struct SessionSettings {
   /// is replaced by its fattening.
   PressingMaskSettings pressing{};
   TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of a camera's depth error
+  /// Whether bodies with vibration modes have inertia: what is let go rings. False: they are always
+  /// in the static state under the forces of the frame.
+  bool dynamics = true;
   PressSettings press{};
   PaperSettings paper{};
 };

@@ -7,6 +7,7 @@
 #include "palpable/common/response/touch_solver.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace palpable {
@@ -37,8 +38,8 @@ struct PressedBodies::Pressed {
       : body(std::move(member.body)),
         world_from_body(member.world_from_body),
         body_from_world(member.world_from_body.inverse()),
-        contact(body->body.surface, body->body.fixed, *body->touch, {.friction = member.friction}) {
-  }
+        contact(body->body.surface, body->body.fixed, *body->touch,
+                {.friction = member.friction, .inertia = member.dynamics}) {}
 
   std::shared_ptr<const TouchableBody> body;
   Rigid3 world_from_body, body_from_world;
@@ -107,16 +108,18 @@ void PressedBodies::match_capsules() {
   }
 }
 
-ContactReport PressedBodies::solve() {
+ContactReport PressedBodies::solve(std::optional<double> time) {
   if (!together_) {
     Pressed& body = *bodies_.front();
-    const TouchReport report = body.contact.solver().advance(body.state, body.obstacles);
+    constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+    const TouchReport report =
+        body.contact.solver().advance(body.state, body.obstacles, kNoLimit, time);
     body.stated = report.stated;
     return report;
   }
   near_.clear();
   for (const auto& body : bodies_) near_.push_back({&body->obstacles});
-  const ContactReport report = together_->advance(near_);
+  const ContactReport report = together_->advance(near_, time);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Pressed& body = *bodies_[k];
     body.stated = report_of(body.contact.solver().body(), *together_, static_cast<int>(k)).stated;
@@ -168,10 +171,11 @@ void PressedBodies::show(Pressed& body, SceneBody& shown) const {
 }
 
 ContactReport PressedBodies::advance(std::span<const CapsuleThing> things,
-                                     std::span<SceneBody> shown, std::vector<Touch>& touches) {
+                                     std::span<SceneBody> shown, std::vector<Touch>& touches,
+                                     std::optional<double> time) {
   PALPABLE_EXPECT(shown.size() == bodies_.size(), "a shown body for each body");
   take(things);
-  const ContactReport report = solve();
+  const ContactReport report = solve(time);
   passed_through_ = count_passed(report.inside() > kReached);
   touches.clear();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {

@@ -41,6 +41,8 @@ class PressedBodies {
     Rigid3 world_from_body = Rigid3::Identity();
     /// Coulomb's coefficient of friction of its skin; none: that of its tables
     std::optional<double> friction = {};
+    /// Whether it has inertia, if its tables have vibration modes.
+    bool dynamics = true;
   };
   /// @param members  at least one
   explicit PressedBodies(std::vector<Member> members);
@@ -51,9 +53,10 @@ class PressedBodies {
   /// @param things   whose ids differ. Touches name them by their place in this list (Touch::thing)
   /// @param shown    one for each body: shape, normals, stress and stated error are overwritten
   /// @param touches  of all bodies, overwritten, the strongest first
+  /// @param time     s, since the last call; none: the static state, without inertia
   /// @return of all bodies; its left_to_move and depths are the largest
   ContactReport advance(std::span<const CapsuleThing> things, std::span<SceneBody> shown,
-                        std::vector<Touch>& touches);
+                        std::vector<Touch>& touches, std::optional<double> time = {});
   /// Of the last call: how many capsules have come out of a skin through which they passed, from
   /// outside to outside, in one call or in several. Only capsules that advance by more than their
   /// radius, or that the skin did not give way to, may do so. A thing whose number of capsules
@@ -73,7 +76,7 @@ class PressedBodies {
   };
   void take(std::span<const CapsuleThing> things);
   void match_capsules();
-  ContactReport solve();
+  ContactReport solve(std::optional<double> time);
   void find_touches(Pressed& body, int number);
   [[nodiscard]] double coefficient_of(const Touch& touch, Pressed& body) const;
   void show(Pressed& body, SceneBody& shown) const;
