@@ -810,7 +810,8 @@ void ContactFrame::run_step(Search search, double shift, bool last) {
   if (last) {
     run_last_step(shift, report_.iterations + limits_.last_iterations);
   } else {
-    settle(shift, false, false, limits_.iterations);
+    // What a step with time leaves unsolved becomes momentum.
+    settle(shift, false, false, is_timed_ ? limits_.last_iterations : limits_.iterations);
   }
   ++report_.steps;
 }

@@ -35,13 +35,21 @@
 
 namespace palpable {
 
+/// A load as the nonlinear terms follow it (followed_loads.h).
+struct FollowedLoad {
+  int vertex = 0;
+  Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N
+  float time = 0;                                   ///< s in which it is followed
+};
+
 /// What moves when a frame ends. The default is a body at rest.
 struct VibrationState {
   std::vector<double> q;         ///< (m) sqrt(kg) m, modal coordinates; empty: 0, as all others
   std::vector<double> velocity;  ///< (m) sqrt(kg) m/s
   std::vector<double> force;     ///< (m) N/sqrt(kg), p of the last step
 
-  bool moves = false;            ///< r or q' is not 0. A body that is pressed may be at rest
+  bool moves = false;                  ///< r or q' is not 0. A body that is pressed may be at rest
+  std::vector<FollowedLoad> followed;  ///< of a body with nonlinear terms
 };
 
 /// Allocates in its constructor.
@@ -83,6 +91,10 @@ class Inertia {
   /// m/N, y . Omega^-2 y: the part of the modes in a static compliance.
   [[nodiscard]] double static_compliance(std::span<const float> row) const;
   [[nodiscard]] std::span<const float> modal_forces() const { return p_; }  ///< p, padded
+  /// m/N, the part of the modes in the static compliance of a vertex, summed over x, y and z.
+  [[nodiscard]] double static_compliance_at(int vertex) const;
+  /// s, of the lowest mode; 0 without modes.
+  [[nodiscard]] double slowest_period() const;
 
   /// The state is static under the loads: r = q' = 0.
   void rest(VibrationState& state, std::span<const VertexForce> loads);
@@ -104,24 +116,24 @@ class Inertia {
   [[nodiscard]] double lag(const VibrationState& state, std::size_t mode) const;
   void fill(std::span<const float> r, Eigen::Index nodes);
 
-  std::vector<double> omega_;  // (m) rad/s
-  double damping_ = 0;         // zeta
-  std::size_t width_ = 0;      // m, padded
-  RowsOfFloats rows_;          // (3W x width) Phi
+  std::vector<double> omega_;    // (m) rad/s
+  double damping_ = 0;           // zeta
+  std::size_t width_ = 0;        // m, padded
+  RowsOfFloats rows_;            // (3W x width) Phi
   std::vector<double> largest_;  // (m) 1/sqrt(kg), largest displacement of a skin's vertex in Phi
 
   // The step.
-  double h_ = 0;                              // s
+  double h_ = 0;  // s
   struct Propagator {
     double a = 1, b = 0, b_rate = 1;  // A, B, B'
   };
   [[nodiscard]] Propagator over(double time, double omega) const;
-  std::vector<Propagator> step_;  // (m)
-  std::vector<double> q_, velocity_;          // (m) when the step began
-  std::vector<double> began_;                 // (m) r0
-  std::vector<float> p_, r_, d_;              // (width) modal forces, r, D
-  std::vector<float> of_state_;               // (width) r of a state
-  Eigen::Matrix3Xf field_;                    // (3 x W) m
+  std::vector<Propagator> step_;      // (m)
+  std::vector<double> q_, velocity_;  // (m) when the step began
+  std::vector<double> began_;         // (m) r0
+  std::vector<float> p_, r_, d_;      // (width) modal forces, r, D
+  std::vector<float> of_state_;       // (width) r of a state
+  Eigen::Matrix3Xf field_;            // (3 x W) m
 };
 
 }  // namespace palpable

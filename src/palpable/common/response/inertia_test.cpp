@@ -66,8 +66,7 @@ TEST_CASE("modes follow a damped oscillator exactly under a constant force", "[r
   }
 }
 
-TEST_CASE("a step without time keeps velocity and lag, and takes up the new forces",
-          "[response]") {
+TEST_CASE("a step without time keeps velocity and lag, and takes up the new forces", "[response]") {
   const VibrationTable table = test::some_vibration(kNodes);
   Inertia inertia(table, kNodes);
   const std::vector<VertexForce> before{{1, Vector3f(0, 0, 1)}}, after{{4, Vector3f(2, 0, 0)}};
@@ -163,8 +162,8 @@ TEST_CASE("without the modes the compliance of a sheet is not negative", "[respo
   const Eigen::MatrixXd Phi = table.shapes.cast<double>().transpose();
   Eigen::VectorXd inverse(table.mode_count());
   for (int k = 0; k < table.mode_count(); ++k) {
-    inverse[k] = 1 / (table.omega[static_cast<std::size_t>(k)] *
-                      table.omega[static_cast<std::size_t>(k)]);
+    inverse[k] =
+        1 / (table.omega[static_cast<std::size_t>(k)] * table.omega[static_cast<std::size_t>(k)]);
   }
   const Eigen::MatrixXd left = sheet.G - Phi * inverse.asDiagonal() * Phi.transpose();
   const Eigen::VectorXd random = Eigen::VectorXd::LinSpaced(left.rows(), -1, 1).array().sin();

@@ -183,7 +183,8 @@ TEST_CASE("a thing gives a sheet no more energy than the work it does", "[contac
       energy = now;
     }
     CHECK(scale > 1e-4);
-    CHECK(worst < tolerance(0.005, "normals turn within a step, iterations end at 0.02 mm") * scale);
+    CHECK(worst <
+          tolerance(0.005, "normals turn within a step, iterations end at 0.02 mm") * scale);
   }
 }
 
@@ -204,8 +205,8 @@ TEST_CASE("a hit: its force in steps of different length, and in frames that are
     return std::pair(peak, at_end);
   };
   const double peak = hit_in(0.0002).first;
-  CHECK(hit_in(0.001).first ==
-        Approx(peak).epsilon(tolerance(0.08, "forces of a step are those at its end: first order")));
+  CHECK(hit_in(0.001).first == Approx(peak).epsilon(tolerance(
+                                   0.08, "forces of a step are those at its end: first order")));
   CHECK(hit_in(0.002).first == Approx(peak).epsilon(tolerance(0.16, "twice the step")));
 
   Hit divided;
@@ -254,9 +255,8 @@ TEST_CASE("frames with inertia allocate nothing and are pure", "[contact]") {
     CHECK(one.state.vibration.q == other.state.vibration.q);
     const Vector3d centre(0.001, 0, kRadius - 0.003);
     const CapsuleObstacles* obstacles = &rubbing.at({{centre, centre, kRadius, kRadius}});
-    const auto allocations = test::allocations_during([&] {
-      one.report = one.solver.advance(one.state, *obstacles, 1e9, 0.033);
-    });
+    const auto allocations = test::allocations_during(
+        [&] { one.report = one.solver.advance(one.state, *obstacles, 1e9, 0.033); });
     CHECK(allocations == 0);
     CHECK(one.report.ringing > 0);
   }

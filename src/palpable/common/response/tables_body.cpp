@@ -3,6 +3,7 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/row_kernels.h"
 #include "palpable/common/response/compliance.h"
+#include "palpable/common/response/followed_loads.h"
 #include "palpable/common/response/inertia.h"
 #include "palpable/common/response/nonlinear_response.h"
 #include "palpable/common/response/shell_stress.h"
@@ -102,7 +103,9 @@ struct TablesBody::Work {
 
   // Inertia; none without vibration modes.
   std::optional<Inertia> inertia;
-  bool is_timed = false;  // time passes in this frame
+  bool is_timed = false;                  // time passes in this frame
+  std::optional<FollowedLoads> followed;  // with regions
+  double time_step = 0;                   // s
   VibrationState vibration_at_start;
 
   Work(const SurfaceMesh& surface_mesh, std::span<const std::uint8_t> fixed,
@@ -110,10 +113,14 @@ struct TablesBody::Work {
 
   void make_room(int most_places, int most_vertices);
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
-  void choose_patches(std::span<const PlaceLoad> entries);
+  void weigh(std::span<const PlaceLoad> entries);
+  void begin_time_step();
+  void fill_field();
+  void evaluate_nonlinear(CrossTerms cross);
   void find_displacements(CrossTerms cross);
   [[nodiscard]] TablesAt tables_now(Tangent kind) {
-    const bool by_regions = kind == Tangent::kFull && is_nonlinear();
+    const bool by_regions =
+        kind == Tangent::kFull && is_nonlinear() && !(is_timed && time_step > 0);
     return {places, *cache, field, by_regions ? &nonlinear : nullptr,
             is_timed ? &*inertia : nullptr};
   }
@@ -154,6 +161,10 @@ TablesBody::Work::Work(const SurfaceMesh& surface_mesh, std::span<const std::uin
   if (tables.vibration && settings.inertia) {
     inertia.emplace(*tables.vibration, compliance.nodes());
     inertia->rest(vibration_at_start, {});
+    if (is_nonlinear()) {
+      followed.emplace(static_cast<int>(rest.cols()), 2 * kMostVertices);
+      followed->make_room(vibration_at_start);
+    }
   }
   if (skin.is_carried()) {
     coarse_stress.resize(static_cast<std::size_t>(rest.cols()));
@@ -221,6 +232,7 @@ void TablesBody::begin_frame() {
     state.regions.clear();
     state.regions.reserve(NonlinearResponse::kMostPatches);
     state.vibration = {};
+    if (w.followed) w.followed->make_room(state.vibration);
     if (w.inertia) w.inertia->rest(state.vibration, {});
   }
   w.skin.update_normals(state.u);
@@ -243,6 +255,7 @@ int TablesBody::steps_in(double time) const {
 
 void TablesBody::set_time_step(double h) {
   work_->is_timed = true;
+  work_->time_step = h;
   work_->inertia->set_step(h);
 }
 
@@ -378,14 +391,18 @@ void TablesBody::begin_step(std::span<const PlaceLoad> loads, bool last) {
       w.loads[static_cast<std::size_t>(place.local[k])].force += share.weight * loads[p].force;
     }
   }
-  if (w.is_nonlinear()) w.choose_patches(loads);
-  if (w.is_timed) w.inertia->begin_step(w.state->vibration, w.loads);
+  if (w.is_nonlinear()) w.weigh(loads);
+  if (w.is_timed) {
+    w.begin_time_step();
+  } else if (w.is_nonlinear()) {
+    w.nonlinear.choose_patches(w.vertices, w.weights, w.state->regions);
+  }
   w.find_displacements(CrossTerms::kAnew);
 }
 
 // Weights are the forces, and to a small part the penetration; before the first touch the
 // penetration alone.
-void TablesBody::Work::choose_patches(std::span<const PlaceLoad> entries) {
+void TablesBody::Work::weigh(std::span<const PlaceLoad> entries) {
   weights.assign(vertices.size(), 0.0f);
   float pressing = 0;
   for (const VertexForce& load : loads) pressing += load.force.norm();
@@ -397,26 +414,44 @@ void TablesBody::Work::choose_patches(std::span<const PlaceLoad> entries) {
           place.shares.of[k].weight * (entries[p].force.norm() + per_m * entries[p].entry);
     }
   }
-  nonlinear.choose_patches(vertices, weights, state->regions);
 }
 
-// Computes the displacements of all vertices that take part, under the present loads.
-void TablesBody::Work::find_displacements(CrossTerms cross) {
-  if (is_nonlinear()) nonlinear.evaluate(loads, cross);
-  // G is symmetric, so the displacement by a load is a sum of its rows.
+// G f at the vertices that take part: G is symmetric, so it is a sum of its rows.
+void TablesBody::Work::fill_field() {
   std::fill(field.begin(), field.end(), 0.0f);
   for (const VertexForce& load : loads) {
     if (load.force.isZero(0)) continue;
     const float* of_load = cache->blocks().col(3 * cache->slot_of(load.vertex)).data();
     best_row_kernels().add_float_rows(of_load, field.size(), {load.force.data(), 3}, field);
   }
+}
+
+void TablesBody::Work::begin_time_step() {
+  inertia->begin_step(state->vibration, loads);
+  if (!is_nonlinear()) return;
+  followed->begin_step(*inertia, *cache, state->vibration, loads, weights, state->regions,
+                       time_step, nonlinear);
+}
+
+void TablesBody::Work::evaluate_nonlinear(CrossTerms cross) {
+  if (!is_timed) {
+    nonlinear.evaluate(loads, cross);
+  } else if (!(time_step > 0)) {
+    followed->evaluate(loads, cross, nonlinear);
+  }
+}
+
+// Computes the displacements of all vertices that take part, under the present loads.
+void TablesBody::Work::find_displacements(CrossTerms cross) {
+  if (is_timed) inertia->load(loads);
+  if (is_nonlinear()) evaluate_nonlinear(cross);
+  fill_field();
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     here.col(static_cast<Eigen::Index>(i)) =
         Eigen::Map<const Vector3f>(field.data() + 3 * cache->slot_of(vertices[i]));
   }
   const auto n = static_cast<Eigen::Index>(vertices.size());
   correcting = state->refinement.weights_under(loads, here.leftCols(n));
-  if (is_timed) inertia->load(loads);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     auto u = here.col(static_cast<Eigen::Index>(i));
     if (is_nonlinear()) u += nonlinear.displacement_at(vertices[i]);
@@ -538,8 +573,10 @@ void TablesBody::keep(bool is_free) {
   state.refinement.weights = w.correcting;
   if (w.is_timed) {
     w.inertia->end_step(state.vibration, is_free);
+    if (w.followed) w.followed->end_step(w.loads, state.vibration);
   } else if (w.inertia) {
     w.inertia->rest(state.vibration, w.loads);
+    if (w.followed) FollowedLoads::rest(w.loads, state.vibration);
   }
   if (w.is_formed) state.u.swap(w.formed);
   w.shape = &state.u;
