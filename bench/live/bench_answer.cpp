@@ -1,5 +1,5 @@
-// palpable bench answer: the time of the answer alone, the response of a body to what presses it,
-// without friction and with it.
+// palpable bench answer: the time of the answer alone, the response of a body to what presses it:
+// without friction, with it, and with friction and inertia.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -27,6 +27,7 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +37,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Vector3f;
+
+constexpr double kHandFrame = 1.0 / 30;  // s, of a clip's true hand
 
 struct AnswerBenchOptions {
   fs::path body;
@@ -48,6 +51,7 @@ struct AnswerBenchOptions {
 
 // What presses a body in one frame, body frame: the balls that a camera saw, or capsules.
 struct RecordedPressers {
+  double passed = 0;  // s since the frame before
   std::vector<ObjectBall> balls;
   Vector3f camera = Vector3f::Zero();  // m, its position
   std::vector<Capsule> capsules;
@@ -66,10 +70,13 @@ std::vector<RecordedPressers> pressers_by_camera(const AnswerBenchOptions& optio
   const ObjectSurface& seen = setup.run.loop.session.body().response.surface();
   std::vector<RecordedPressers> frames;
   LiveLoop loop(setup.run, live.frames);
+  double before = 0;
   while (const Scene* scene = loop.next()) {
     bar.show({clip.filename().string(), static_cast<double>(frames.size()),
               static_cast<double>(loop.total()), "the camera's chain"});
     RecordedPressers& now = frames.emplace_back();
+    now.passed = frames.size() > 1 ? scene->time - before : 0.0;
+    before = scene->time;
     now.balls.assign(seen.balls().begin(), seen.balls().end());
     now.camera = scene->bodies.front().camera_from_body.inverse().translation().cast<float>();
   }
@@ -81,7 +88,9 @@ std::vector<RecordedPressers> pressers_by_truth(const AnswerBenchOptions& option
   std::vector<RecordedPressers> frames;
   for (std::vector<Capsule>& capsules : read_clip_hands(clip, {}).capsules) {
     if (options.frames > 0 && std::ssize(frames) == options.frames) break;
-    frames.emplace_back().capsules = std::move(capsules);
+    RecordedPressers& now = frames.emplace_back();
+    now.passed = frames.size() > 1 ? kHandFrame : 0.0;
+    now.capsules = std::move(capsules);
   }
   return frames;
 }
@@ -121,22 +130,24 @@ class PlayedPressers {
   std::vector<float> friction_;
 };
 
-// The body with one coefficient of friction, and the times of its answers.
+// The body with one coefficient of friction, with or without inertia, and the times of its answers.
 class TimedAnswer {
  public:
   // @param by_camera  what presses is seen by a camera, and is let in as deep as there
-  TimedAnswer(const TouchableBody& body, double friction, bool by_camera)
-      : contact_(body.body.surface, body.body.fixed, *body.touch,
+  TimedAnswer(const TouchableBody& body, double friction, bool moves, bool by_camera)
+      : moves_(moves),
+        contact_(body.body.surface, body.body.fixed, *body.touch,
                  {.entry = by_camera ? ResponseSettings().touch.entry : TouchSettings().entry,
                   .friction = friction}) {}
 
   // Answers one frame. Returns its time, ms of CPU.
-  double answer(const PlayedPressers& pressers) {
+  double answer(const PlayedPressers& pressers, double passed) {
     double seconds = 0;
+    const std::optional<double> time = moves_ ? std::optional(passed) : std::nullopt;
     {
       const CpuTimer timer(seconds);
       const TouchReport report =
-          contact_.solver().advance(state_, pressers.obstacles(), pressers.largest_move());
+          contact_.solver().advance(state_, pressers.obstacles(), pressers.largest_move(), time);
       residual_ = report.friction_residual;
     }
     return 1e3 * seconds;
@@ -147,6 +158,7 @@ class TimedAnswer {
   [[nodiscard]] double residual() const { return residual_; }
 
  private:
+  bool moves_;
   SkinContact contact_;
   TouchState state_;
   double residual_ = 0;
@@ -154,13 +166,14 @@ class TimedAnswer {
 
 // Of the frames in which something presses.
 struct AnswerTimes {
-  std::vector<double> without, with;  // ms
-  std::vector<double> residuals;      // m, with friction
-  int rubbing = 0;                    // frames in which a point has friction
+  std::vector<double> without, with, moving;  // ms
+  std::vector<double> residuals;              // m, with friction
+  int rubbing = 0;                            // frames in which a point has friction
 
   void add(const AnswerTimes& other) {
     without.insert(without.end(), other.without.begin(), other.without.end());
     with.insert(with.end(), other.with.begin(), other.with.end());
+    moving.insert(moving.end(), other.moving.begin(), other.moving.end());
     residuals.insert(residuals.end(), other.residuals.begin(), other.residuals.end());
     rubbing += other.rubbing;
   }
@@ -169,20 +182,25 @@ struct AnswerTimes {
 AnswerTimes answers_of(const TouchableBody& body, const std::vector<RecordedPressers>& frames,
                        const AnswerBenchOptions& options) {
   PlayedPressers pressers(body.body.surface);
-  TimedAnswer without(body, 0, !options.true_hand),
-      with(body, options.friction, !options.true_hand);
+  const bool by_camera = !options.true_hand;
+  TimedAnswer without(body, 0, false, by_camera), with(body, options.friction, false, by_camera),
+      moving(body, options.friction, true, by_camera);
   AnswerTimes times;
-  bool first = false;
+  std::size_t turn = 0;
   for (const RecordedPressers& now : frames) {
     pressers.show(now, !options.true_hand);
-    // Each of the two comes first in every other frame: what it read is then in the caches.
-    first = !first;
-    double ms = first ? without.answer(pressers) : 0;
-    const double rubbed_ms = with.answer(pressers);
-    if (!first) ms = without.answer(pressers);
+    // Each of them comes first in turn: what the first one read is then in the caches.
+    const std::array<TimedAnswer*, 3> all{&without, &with, &moving};
+    std::array<double, 3> ms{};
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const std::size_t who = (turn + k) % all.size();
+      ms[who] = all[who]->answer(pressers, now.passed);
+    }
+    ++turn;
     if (!without.is_pressed() && !with.is_pressed()) continue;
-    times.without.push_back(ms);
-    times.with.push_back(rubbed_ms);
+    times.without.push_back(ms[0]);
+    times.with.push_back(ms[1]);
+    times.moving.push_back(ms[2]);
     times.residuals.push_back(with.residual());
     times.rubbing += with.rubs();
   }
@@ -196,6 +214,7 @@ Json json_of_times(const AnswerTimes& times) {
     const double without = percentile(times.without, share), with = percentile(times.with, share);
     result["without_friction_ms"][key] = without;
     result["with_friction_ms"][key] = with;
+    result["with_both_ms"][key] = percentile(times.moving, share);
     result["ratio"][key] = without > 0 ? Json(with / without) : Json();
   }
   result["friction_residual_p99_mm"] = 1e3 * percentile(times.residuals, 0.99);
@@ -205,12 +224,13 @@ Json json_of_times(const AnswerTimes& times) {
 void print_answers(const Json& result) {
   fmt::print(
       "ms of CPU for an answer, median (99th percentile), friction {:g}\n{:<24}{:>8}{:>20}"
-      "{:>20}{:>16}\n",
-      result["friction"].get<double>(), "", "frames", "without", "with", "ratio");
+      "{:>20}{:>16}{:>20}\n",
+      result["friction"].get<double>(), "", "frames", "without", "with", "ratio", "and inertia");
   const auto print_line = [](const std::string& name, const Json& of) {
     fmt::print("{:<24}{:>8}", name, of["frames"].get<int>());
-    for (const auto& [key, wide] : {std::pair{"without_friction_ms", 20},
-                                    std::pair{"with_friction_ms", 20}, std::pair{"ratio", 16}}) {
+    for (const auto& [key, wide] :
+         {std::pair{"without_friction_ms", 20}, std::pair{"with_friction_ms", 20},
+          std::pair{"ratio", 16}, std::pair{"with_both_ms", 20}}) {
       if (!of.contains(key)) continue;
       fmt::print("{:>{}}",
                  fmt::format("{:.2f} ({:.2f})", of[key]["p50"].get<double>(),
@@ -265,7 +285,8 @@ void bench_answer(AnswerBenchOptions options) {
 void add_bench_answer(Command bench) {
   auto options = std::make_shared<AnswerBenchOptions>();
   Command command = bench.add_subcommand(
-      "answer", "The time of a body's response alone, without friction and with it");
+      "answer",
+      "The time of a body's response alone: without friction, with it, and with inertia, too");
   command.add_option("clips", options->clips, "Folders that palpable synth has made")
       .required()
       .type_name("CLIP");
@@ -282,9 +303,9 @@ void add_bench_answer(Command bench) {
       .show_default();
   command.add_json(options->json);
   command.footer(
-      "What presses is recorded once. Then two bodies answer it frame by frame in turn, one "
-      "without "
-      "friction: both get the same input. Frames in which nothing presses do not count.\n"
+      "What presses is recorded once. Then three bodies answer it frame by frame in turn, one "
+      "without friction, one with friction, one with inertia, too, where the body file has "
+      "vibration modes: all get the same input. Frames in which nothing presses do not count.\n"
       "Example: palpable synth press --seed 1005 -o press\n"
       "         palpable bench answer press --friction 0.3 --json");
   command.callback([options] { bench_answer(*options); });
