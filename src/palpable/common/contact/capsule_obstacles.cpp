@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace palpable {
@@ -99,6 +100,19 @@ const Obstacles* CapsuleObstacles::on_the_way(float done) const {
   on_the_way_->set(between_, things_);
   on_the_way_->set_motion(friction_, before_, now_of_);
   return on_the_way_.get();
+}
+
+float CapsuleObstacles::largest_way() const {
+  if (friction_.empty()) return Obstacles::largest_way();
+  double largest = 0;
+  for (std::size_t k = 0; k < capsules_.size(); ++k) {
+    if (before_of_[k] < 0) continue;
+    const Capsule &now = capsules_[k], &before = before_[static_cast<std::size_t>(before_of_[k])];
+    const double grown = std::max(std::abs(now.ra - before.ra), std::abs(now.rb - before.rb));
+    largest =
+        std::max({largest, (now.a - before.a).norm() + grown, (now.b - before.b).norm() + grown});
+  }
+  return static_cast<float>(largest);
 }
 
 float CapsuleObstacles::largest_friction(float of_body) const {

@@ -43,6 +43,7 @@ class CapsuleObstacles : public Obstacles {
   [[nodiscard]] std::optional<MaterialPoint> carried(const MaterialPoint& before) const override;
   [[nodiscard]] std::optional<Eigen::Vector3f> way_of(const MaterialPoint& now) const override;
   [[nodiscard]] const Obstacles* on_the_way(float done) const override;
+  [[nodiscard]] float largest_way() const override;
 
  private:
   [[nodiscard]] SurfaceGap gap_of(const Eigen::Vector3f& place) const;

@@ -145,6 +145,8 @@ class ContactBody {
   [[nodiscard]] virtual double ringing() const { return 0; }
   /// m, no vertex moves farther from its static position as long as forces do not change.
   [[nodiscard]] virtual double amplitude() const { return 0; }
+  /// m/s, no vertex is moved faster by inertia.
+  [[nodiscard]] virtual double largest_speed() const { return 0; }
 
   // --- shape
 
@@ -176,6 +178,10 @@ class ContactBody {
   /// @param loads  (P)
   /// @param last   whether it is the frame's last step, which is computed with all terms
   virtual void begin_step(std::span<const PlaceLoad> loads, bool last) = 0;
+
+  /// A further step with the same places, soon after the one before: what changes slowly may stay.
+  /// @param loads  (P)
+  virtual void go_on(std::span<const PlaceLoad> loads) { begin_step(loads, false); }
 
   /// m, present position of a place.
   [[nodiscard]] virtual Eigen::Vector3f position(std::size_t place) const = 0;

@@ -46,6 +46,9 @@ constexpr float kTurnInStep = 0.35f;
 constexpr int kMostRubbingSteps = 3;
 constexpr float kSharpest = 0.001f;  // m, the smallest radius that is looked after here
 
+// Ratio to ContactLimits::band.
+constexpr double kSearchAgain = 0.5;
+
 // s. After a longer pause it is not known how obstacles came.
 constexpr double kLongestTime = 0.125;
 
@@ -177,9 +180,16 @@ void ContactFrame::take_up(double shift, bool goes_on) {
 }
 
 // Iterates until the contacts' forces and gaps are complementary, at most `most` times.
-void ContactFrame::settle(double shift, bool last, bool goes_on, int most) {
+// @param same_places  as in the step before
+void ContactFrame::settle(double shift, bool last, bool goes_on, int most, bool same_places) {
   take_up(shift, goes_on);
-  for (const int k : members_) part(k).body->begin_step(part(k).loads, last);
+  for (const int k : members_) {
+    if (same_places) {
+      part(k).body->go_on(part(k).loads);
+    } else {
+      part(k).body->begin_step(part(k).loads, last);
+    }
+  }
   if (rubs_) start_friction(shift, goes_on);
   // The first iteration is one without the points that begin to press: where it moves them tells
   // where each first met what it presses (make_anchor()).
@@ -798,6 +808,7 @@ double ContactFrame::shift_in(int step, const Division& division) const {
 
 // Finds the contacts of a step and gives them places.
 void ContactFrame::find_contacts(Search search, double shift) {
+  if (search == Search::kGoesOn) return;
   if (search == Search::kAnew) search_.find(shift);
   if (search == Search::kRemembered) search_.choose_remembered(shift);
   // A point with a force that is no longer near an obstacle is no contact, and loses its force.
@@ -811,7 +822,8 @@ void ContactFrame::run_step(Search search, double shift, bool last) {
     run_last_step(shift, report_.iterations + limits_.last_iterations);
   } else {
     // What a step with time leaves unsolved becomes momentum.
-    settle(shift, false, false, is_timed_ ? limits_.last_iterations : limits_.iterations);
+    settle(shift, false, false, is_timed_ ? limits_.last_iterations : limits_.iterations,
+           search == Search::kGoesOn);
   }
   ++report_.steps;
 }
@@ -868,6 +880,13 @@ bool ContactFrame::is_anything_near() const {
   });
 }
 
+// m that a vertex may be moved by inertia in a time (s).
+double ContactFrame::largest_way(double time) const {
+  double fastest = 0;
+  for (const int k : members_) fastest = std::max(fastest, part(k).body->largest_speed());
+  return fastest * time;
+}
+
 void ContactFrame::set_time_step(double h) {
   for (const int k : members_) {
     if (part(k).body->steps_in(0) > 0) part(k).body->set_time_step(h);
@@ -891,16 +910,28 @@ void ContactFrame::begin_without_way(std::optional<double> time) {
 // is not motion but a new measurement, which gives no velocity. Then obstacles come on their ways
 // in as many equal steps as the fastest mode needs.
 void ContactFrame::run_in_time(double largest_move, double time) {
+  double way_of_obstacles = 0;
+  for (const int k : members_) {
+    if (part(k).obstacles == nullptr) continue;
+    way_of_obstacles =
+        std::max(way_of_obstacles, static_cast<double>(part(k).obstacles->largest_way()));
+  }
   const double unsolved = unsolved_before();
   const double within_limit = std::min(unsolved, largest_move);
   const int corrections = static_cast<int>(
       std::ceil(std::min(within_limit / limits_.largest_step, 1.0 * limits_.most_steps)));
   const double left = std::max(0.0, unsolved - corrections * limits_.largest_step);
   shift_before_ = unsolved;
-  const auto run = [&](double shift, bool last) {
+  // Shapes are formed, and contacts searched in them, where a point may have come half way through
+  // the band in which they were searched.
+  double gone = std::numeric_limits<double>::infinity();
+  const auto run = [&](double shift, double way, bool forms, bool last) {
     move_obstacles(done_);
-    run_step(Search::kAnew, shift, last);
-    if (!last) {
+    const bool anew = last || gone + way > kSearchAgain * limits_.band;
+    if (anew) gone = 0;
+    gone += way;
+    run_step(anew ? Search::kAnew : Search::kGoesOn, shift, last);
+    if (!last && (forms || gone + way > kSearchAgain * limits_.band)) {
       for (const int k : members_) part(k).body->form_shape(false);
     }
     end_step(shift, last);
@@ -910,13 +941,14 @@ void ContactFrame::run_in_time(double largest_move, double time) {
   done_ = 0;
   set_time_step(0);
   for (int step = 1; step <= corrections; ++step) {
-    run(std::max(left, unsolved - step * limits_.largest_step), false);
+    run(std::max(left, unsolved - step * limits_.largest_step), limits_.band, true, false);
   }
   const int steps = is_anything_near() ? steps_in(time) : 1;
-  set_time_step(time / steps);
+  const double h = time / steps;
+  set_time_step(h);
   for (int step = 1; step <= steps; ++step) {
     done_ = static_cast<float>(step) / static_cast<float>(steps);
-    run(left, step == steps);
+    run(left, largest_way(h) + way_of_obstacles / steps, step + 1 == steps, step == steps);
   }
 }
 

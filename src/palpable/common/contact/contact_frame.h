@@ -108,7 +108,7 @@ class ContactFrame {
   void find_places();
   [[nodiscard]] static const PointForce* force_at(const ContactPart& one, int point, int by);
   void take_up(double shift, bool goes_on);
-  void settle(double shift, bool last, bool goes_on, int most);
+  void settle(double shift, bool last, bool goes_on, int most, bool same_places = false);
   double iterate(double shift, float share);
   bool solve_problem(double shift);
   void choose_pressed(double shift);
@@ -160,12 +160,14 @@ class ContactFrame {
   [[nodiscard]] int rubbing_steps() const;
   void move_obstacles(float done);
   [[nodiscard]] double unsolved_before();
-  enum class Search { kAnew, kRemembered, kKept };
+  // Which contacts a step has. kGoesOn: those of the step before, at the same places.
+  enum class Search { kAnew, kRemembered, kKept, kGoesOn };
   void find_contacts(Search search, double shift);
   void run_step(Search search, double shift, bool last);
   void run_steps(double depth, double largest_move);
   [[nodiscard]] int steps_in(double time) const;
   [[nodiscard]] bool is_anything_near() const;
+  [[nodiscard]] double largest_way(double time) const;
   void set_time_step(double h);
   void begin_without_way(std::optional<double> time);
   void run_in_time(double largest_move, double time);

@@ -143,6 +143,10 @@ class Obstacles {
     return static_cast<void>(done), nullptr;
   }
 
+  /// m, no part has come farther since the frame before, or will have on its way in the frame.
+  /// Infinite: not known.
+  [[nodiscard]] virtual float largest_way() const { return std::numeric_limits<float>::infinity(); }
+
   /// Adds the parts whose radius is below `radius` (m) somewhere and that may be inside `box` (m),
   /// as long as `parts` has capacity. Obstacles without sharp parts, and those that do not know
   /// them, add none.

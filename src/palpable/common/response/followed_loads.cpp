@@ -75,10 +75,10 @@ void FollowedLoads::evaluate(std::span<const VertexForce> loads, CrossTerms cros
   nonlinear.evaluate(evaluated_, cross);
 }
 
-void FollowedLoads::end_step(std::span<const VertexForce> loads, VibrationState& state) const {
+void FollowedLoads::end_step(std::span<const VertexForce> loads, VibrationState& state) {
   state.followed.clear();
   for (std::size_t k = 0; k < followed_.size(); ++k) {
-    FollowedLoad one = followed_[k];
+    FollowedLoad& one = followed_[k];
     const bool is_of_step = k < loads.size();
     const Vector3f now = is_of_step ? loads[k].force : Vector3f(Vector3f::Zero());
     if (time_ > 0) {

@@ -48,8 +48,9 @@ class FollowedLoads {
                   std::span<const int> regions, double time, NonlinearResponse& nonlinear);
   /// Evaluates the nonlinear terms under other loads, which a step without time needs.
   void evaluate(std::span<const VertexForce> loads, CrossTerms cross, NonlinearResponse& nonlinear);
-  /// The step ends under these loads.
-  void end_step(std::span<const VertexForce> loads, VibrationState& state) const;
+  /// The step ends under these loads. Another one may follow with the same vertices, without
+  /// begin_step(): then the nonlinear terms stay as they were evaluated.
+  void end_step(std::span<const VertexForce> loads, VibrationState& state);
 
   /// The state is static under these loads.
   static void rest(std::span<const VertexForce> loads, VibrationState& state);

@@ -227,6 +227,13 @@ double Inertia::energy(const VibrationState& state) const {
   return energy;
 }
 
+double Inertia::largest_speed(const VibrationState& state) const {
+  if (!state.moves) return 0;
+  double sum = 0;
+  for (std::size_t k = 0; k < omega_.size(); ++k) sum += largest_[k] * std::abs(state.velocity[k]);
+  return sum;
+}
+
 double Inertia::amplitude(const VibrationState& state) const {
   if (!state.moves) return 0;
   double sum = 0;

@@ -109,6 +109,8 @@ class Inertia {
   /// J, of the modes' motion around their static displacement:
   /// sum of (q'^2 + omega^2 r^2) / 2.
   [[nodiscard]] double energy(const VibrationState& state) const;
+  /// m/s, no vertex is moved faster by the modes.
+  [[nodiscard]] double largest_speed(const VibrationState& state) const;
   /// m, no vertex is farther from its static position, now or as long as forces do not change.
   [[nodiscard]] double amplitude(const VibrationState& state) const;
 

@@ -276,6 +276,10 @@ double TablesBody::ringing() const {
   return work_->inertia ? work_->inertia->energy(work_->state->vibration) : 0.0;
 }
 
+double TablesBody::largest_speed() const {
+  return work_->inertia ? work_->inertia->largest_speed(work_->state->vibration) : 0.0;
+}
+
 double TablesBody::amplitude() const {
   return work_->inertia ? work_->inertia->amplitude(work_->state->vibration) : 0.0;
 }
@@ -398,6 +402,25 @@ void TablesBody::begin_step(std::span<const PlaceLoad> loads, bool last) {
     w.nonlinear.choose_patches(w.vertices, w.weights, w.state->regions);
   }
   w.find_displacements(CrossTerms::kAnew);
+}
+
+void TablesBody::go_on(std::span<const PlaceLoad> loads) {
+  Work& w = *work_;
+  if (!w.is_timed) {
+    begin_step(loads, false);
+    return;
+  }
+  w.iteration = 0;
+  for (VertexForce& load : w.loads) load.force.setZero();
+  for (std::size_t p = 0; p < w.places.size(); ++p) {
+    const Place& place = w.places[p];
+    for (std::size_t k = 0; k < place.shares.count; ++k) {
+      const ForceShare& share = place.shares.of[k];
+      w.loads[static_cast<std::size_t>(place.local[k])].force += share.weight * loads[p].force;
+    }
+  }
+  w.inertia->begin_step(w.state->vibration, w.loads);
+  w.find_displacements(CrossTerms::kAsBefore);
 }
 
 // Weights are the forces, and to a small part the penetration; before the first touch the

@@ -117,6 +117,7 @@ class TablesBody final : public ContactBody {
   void forget_time() override;
   [[nodiscard]] double ringing() const override;
   [[nodiscard]] double amplitude() const override;
+  [[nodiscard]] double largest_speed() const override;
   [[nodiscard]] Eigen::Vector3f shape_at(int point) override;
   [[nodiscard]] Eigen::Vector3f shape_at_vertex(int vertex) override;
   [[nodiscard]] Eigen::Vector3f shape_at(const SkinPoint& foot) override;
@@ -128,6 +129,7 @@ class TablesBody final : public ContactBody {
   bool add_place(int point) override;
   bool add_place(const SkinPoint& foot) override;
   void begin_step(std::span<const PlaceLoad> loads, bool last) override;
+  void go_on(std::span<const PlaceLoad> loads) override;
   [[nodiscard]] Eigen::Vector3f position(std::size_t place) const override;
   bool linearise() override;
   void add_compliance(std::span<const UnitForce> forces, Tangent tangent, std::span<double> W,

@@ -258,6 +258,12 @@ const Obstacles* ObjectSurface::on_the_way(float done) const {
   return &on_the_way_;
 }
 
+float ObjectSurface::largest_way() const {
+  float largest = 0;
+  for (const ObjectBall& ball : balls()) largest = std::max(largest, ball.way.squaredNorm());
+  return std::sqrt(largest);
+}
+
 std::optional<NearestOnObject> ObjectSurface::nearest_by_brute_force(const Vector3f& x) const {
   auto best = static_cast<float>(settings_.band);
   int found = -1;

@@ -106,6 +106,7 @@ class ObjectSurface final : public BallUnion {
   /// The last surface before this one that had balls, in the order that balls() had.
   [[nodiscard]] const BallTree& before() const { return before_; }
   [[nodiscard]] const Obstacles* on_the_way(float done) const override;
+  [[nodiscard]] float largest_way() const override;
   /// The point cloud of Algorithm 1: the pixels of pressers near the region, thinned out by
   /// settings.step, at the depth measured in this frame (balls are made of averages over frames).
   [[nodiscard]] std::span<const Eigen::Vector3f> cloud() const { return cloud_; }
