@@ -46,8 +46,8 @@ constexpr float kTurnInStep = 0.35f;
 constexpr int kMostRubbingSteps = 3;
 constexpr float kSharpest = 0.001f;  // m, the smallest radius that is looked after here
 
-// Ratio to ContactLimits::band.
-constexpr double kSearchAgain = 0.5;
+// Ratio to ContactLimits::band: with less than 1 no point that was farther away can be inside.
+constexpr double kSearchAgain = 0.9;
 
 // s. After a longer pause it is not known how obstacles came.
 constexpr double kLongestTime = 0.125;
@@ -922,8 +922,8 @@ void ContactFrame::run_in_time(double largest_move, double time) {
       std::ceil(std::min(within_limit / limits_.largest_step, 1.0 * limits_.most_steps)));
   const double left = std::max(0.0, unsolved - corrections * limits_.largest_step);
   shift_before_ = unsolved;
-  // Shapes are formed, and contacts searched in them, where a point may have come half way through
-  // the band in which they were searched.
+  // Shapes are formed, and contacts searched in them, where a point may have come through the band
+  // in which they were searched.
   double gone = std::numeric_limits<double>::infinity();
   const auto run = [&](double shift, double way, bool forms, bool last) {
     move_obstacles(done_);
