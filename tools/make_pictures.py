@@ -110,6 +110,21 @@ def write_rubbing(body, work):
     write_webp("rubbing.webp", pairs, 3, (0, 0, 1000, 490), 900, 70)
 
 
+def write_flick(body, work):
+    """An ear that is bent and let go, then flicked: without inertia, and with it."""
+    hands = work / "flick.jsonl"
+    hands.write_text(subprocess.run([sys.executable, ROOT / "tools/flicking_hands.py"], check=True, capture_output=True,
+                                    text=True).stdout)
+    films = []
+    for dynamics in ("off", "on"):
+        out = work / f"flick-{dynamics}"
+        if not (out / "touch.mp4").exists():
+            run("live", body, "--source", hands, "--dynamics", dynamics, "--out", out)
+        films.append(frames_of(out / "touch.mp4", range(70, 235)))
+    pairs = [numpy.hstack([film[n][20:380, 420:860] for film in films]) for n in sorted(films[0])]
+    write_webp("flick.webp", pairs, 1, (0, 0, 880, 360), 880, 70)
+
+
 def played(work, name, film_words, live_words):
     """The film that `palpable live` writes of a synthetic clip; both are made if they do not exist."""
     clip, out = work / name, work / (name + "-live")
@@ -134,6 +149,7 @@ def main():
         write_row("figure_16.jpg", film, [98, 142], (330, 110, 1280, 644), 800)
         write_pressure(options.bunny, options.work)
         write_rubbing(options.bunny, options.work)
+        write_flick(options.bunny, options.work)
         hands = ROOT / "../shared/data/hands_desk"
         if hands.is_dir():
             out = options.work / "hands_desk"

@@ -189,7 +189,7 @@ def play(options, name, seed, folder):
         if written.returncode != 0:
             return {"refused": f"synth: {complaint(written)}"}
     begin = time.time()
-    live = run([program, "live", options.body, "--source", film / "frames", "--out", folder / "result", "--write", "+meshes"])
+    live = run([program, "live", options.body, "--source", film / "frames", "--dynamics", "off", "--out", folder / "result", "--write", "+meshes"])
     if live.returncode != 0:
         return {"refused": f"live: {complaint(live)}"}
     played = time.time()

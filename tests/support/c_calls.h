@@ -22,11 +22,14 @@ Struct sized() {
 /// Writes a ball of 10 cm diameter that stands on Z = 0, is held below 5 mm and can be pressed
 /// anywhere. @returns its file
 /// @param spacing  m, of its contact points
-inline std::string write_ball_body(const ScratchFolder& folder, const char* name, double spacing) {
+/// @param swings   it has inertia
+inline std::string write_ball_body(const ScratchFolder& folder, const char* name, double spacing,
+                                   bool swings = false) {
   const ReducedBody body = DentedSphere{}.body();
   const std::string file = (folder / name).string();
   TouchTables tables = yielding_tables(body.surface);
   tables.point_spacing = spacing;
+  if (swings) tables.vibration = swinging_vibration(tables.shell.nodes());
   write_touchable_body(file, body, tables);
   return file;
 }

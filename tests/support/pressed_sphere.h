@@ -55,11 +55,14 @@ inline Frame frame_with_finger(int number, double depth) {
 /// Everything visible presses from the first frame on.
 inline const SessionSettings kEverythingPresses{.press_static = true, .map = false};
 
-/// A frame loop for the sphere with tables of touch.
-inline FrameLoop touchable_sphere_loop(const SessionSettings& settings = kEverythingPresses) {
+/// A frame loop for the sphere with tables of touch. @param swings  it has inertia
+inline FrameLoop touchable_sphere_loop(const SessionSettings& settings = kEverythingPresses,
+                                       bool swings = false) {
   const ReducedBody body = DentedSphere{}.body();
-  return std::move(FrameLoop::make(TouchableBody(body, yielding_tables(body.surface)),
-                                   sphere_pose(), wall_format(), settings)
+  TouchTables tables = yielding_tables(body.surface);
+  if (swings) tables.vibration = swinging_vibration(tables.shell.nodes());
+  return std::move(FrameLoop::make(TouchableBody(body, std::move(tables)), sphere_pose(),
+                                   wall_format(), settings)
                        .value());
 }
 

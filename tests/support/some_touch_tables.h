@@ -181,4 +181,20 @@ inline TouchTables yielding_tables(const SurfaceMesh& skin) {
   return tables;
 }
 
+/// Three modes, in each of which all nodes move alike along an axis, at 10 Hz. They are modes of a
+/// skin with yielding_tables(): their part of its compliance, 0.05 mm/N, leaves the rest positive.
+inline VibrationTable swinging_vibration(int nodes) {
+  VibrationTable table;
+  table.omega.assign(3, 62.8);
+  table.shapes.setZero(3, 3 * nodes);
+  const auto shape = static_cast<float>(62.8 * std::sqrt(5e-5));
+  for (int n = 0; n < nodes; ++n) {
+    for (int c = 0; c < 3; ++c) table.shapes(c, 3 * n + c) = shape;
+  }
+  table.loss_factor = 0.2;
+  table.density = 1000;
+  table.mass = 5;
+  return table;
+}
+
 }  // namespace palpable::test

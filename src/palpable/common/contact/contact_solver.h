@@ -84,8 +84,8 @@ class ContactSolver {
   /// give the same bytes.
   /// @param near  of each member
   /// @param time  s, since the frame before: bodies with inertia move. After more than an eighth of
-  ///              a second obstacles are where they are, as without time, and what rang has rung on.
-  ///              None: the static state, without motion
+  ///              a second obstacles are where they are, as without time, and what rang has rung
+  ///              on. None: the static state, without motion
   ContactReport advance(std::span<const Near> near, std::optional<double> time = {});
 
   // These are for one member, after the frame advanced last.

@@ -59,6 +59,10 @@ class Inertia {
   /// step of a haptic device, 1 ms, doubled.
   static constexpr double kFastest = 2 * 3.14159265358979323846 * 125;
 
+  /// Whether one of a table's modes is used.
+  [[nodiscard]] static bool has_modes(const VibrationTable& table) {
+    return !table.omega.empty() && table.omega.front() <= kFastest;
+  }
   /// @param table  valid for a shell with `nodes` nodes
   Inertia(const VibrationTable& table, int nodes);
 

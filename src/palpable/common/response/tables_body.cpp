@@ -158,7 +158,7 @@ TablesBody::Work::Work(const SurfaceMesh& surface_mesh, std::span<const std::uin
       next(static_cast<std::size_t>(rest.cols())),
       tangent(most_modes(tables), inertia_width(tables)) {
   shape = &no_displacement;
-  if (tables.vibration && settings.inertia) {
+  if (settings.inertia && tables.vibration && Inertia::has_modes(*tables.vibration)) {
     inertia.emplace(*tables.vibration, compliance.nodes());
     inertia->rest(vibration_at_start, {});
     if (is_nonlinear()) {

@@ -22,8 +22,8 @@ TouchSolver::TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> 
     : body_(std::make_unique<TablesBody>(skin, fixed, tables, settings)),
       solver_({{body_.get(), Rigid3::Identity()}}) {}
 
-TouchReport TouchSolver::advance(TouchState& state, const Obstacles& obstacles,
-                                 double largest_move, std::optional<double> time) {
+TouchReport TouchSolver::advance(TouchState& state, const Obstacles& obstacles, double largest_move,
+                                 std::optional<double> time) {
   body_->use(state);
   const std::array near{ContactSolver::Near{&obstacles, largest_move}};
   solver_.advance(near, time);

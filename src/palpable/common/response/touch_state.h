@@ -23,7 +23,7 @@ struct TouchState {
   /// (3 x W) m, displacement: of the whole skin in the first V columns, then of the inner nodes
   /// (shell_table.h), which only the stress needs. No columns: at rest.
   Eigen::Matrix3Xf u;
-  Refinement refinement;  ///< corrections by full-order solutions
+  Refinement refinement;     ///< corrections by full-order solutions
   VibrationState vibration;  ///< at rest unless time passes (ContactSolver::advance())
 };
 

@@ -302,6 +302,43 @@ TEST_CASE("a thing rubs a body that has friction, unless it has none of its own"
   }
 }
 
+TEST_CASE("what is let go rings in palpable_press_at(), and not in palpable_press()", "[capi]") {
+  static const test::ScratchFolder folder("c_swings");
+  const std::string file = test::write_ball_body(folder, "ball.palpable", 0.003, true);
+  palpable_body* body = nullptr;
+  REQUIRE(palpable_load_body(file.c_str(), 1, &body) == PALPABLE_OK);
+  const OpenBody ball(body, palpable_free_body);
+  const OpenSession moves = session_of({ball.get()}), pressed = session_of({ball.get()});
+  REQUIRE(palpable_set_dynamics(ball.get(), 0) == PALPABLE_OK);
+  CHECK(palpable_set_dynamics(nullptr, 0) == PALPABLE_WRONG_ARGUMENT);
+  const OpenSession still = session_of({ball.get()});
+  const auto ringing = [](const OpenSession& session) {
+    auto frame = test::sized<palpable_frame>();
+    REQUIRE(palpable_get_frame(session.get(), &frame) == PALPABLE_OK);
+    return frame.ringing;
+  };
+  for (int k = 1; k <= 12; ++k) {
+    const palpable_capsule c = finger_at(0, k <= 6 ? 0.0005 * k : -0.02);
+    const palpable_thing thing = thing_of(4, c);
+    REQUIRE(palpable_press_at(moves.get(), &thing, 1, k / 60.0) == PALPABLE_OK);
+    REQUIRE(palpable_press_at(still.get(), &thing, 1, k / 60.0) == PALPABLE_OK);
+    REQUIRE(palpable_press(pressed.get(), &c, 1) == PALPABLE_OK);
+    CHECK(ringing(still) == 0);
+    CHECK(ringing(pressed) == 0);
+    if (k > 6) CHECK(ringing(moves) > 0);
+  }
+  const auto top = [](const OpenSession& session) {
+    const palpable_skin skin = skin_of(session.get());
+    float highest = 0;
+    for (int v = 0; v < skin.vertex_count; ++v) {
+      highest = std::max(highest, skin.vertices[3 * v + 2]);
+    }
+    return highest;
+  };
+  CHECK(top(moves) != top(still));
+  CHECK(top(still) == top(pressed));
+}
+
 TEST_CASE("things of callers who were built before friction rub as the body does",
           "[capi][friction]") {
   struct Earlier {  // palpable_thing of version 0.1

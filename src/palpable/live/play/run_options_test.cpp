@@ -26,6 +26,7 @@ TEST_CASE("a recording returns the options of its run", "[play][recording]") {
   options.fixed_camera = true;
   options.press_static = true;
   options.friction = 0.4;
+  options.dynamics = false;
   options.refine = "bodies/bunny.toml";
   const RunOptions read = through_json(options);
   CHECK(read.contact == "paper");
@@ -40,6 +41,8 @@ TEST_CASE("a recording returns the options of its run", "[play][recording]") {
   CHECK(read.fixed_camera);
   CHECK(read.press_static);
   CHECK(read.friction == 0.4);
+  CHECK_FALSE(read.dynamics);
+  CHECK(through_json({}).dynamics);
   CHECK_FALSE(through_json({}).friction);  // that of the bodies' files
   CHECK(read.refine == "bodies/bunny.toml");
 
@@ -96,6 +99,7 @@ TEST_CASE("recordings of earlier versions, without some options, are read", "[pl
   CHECK(options.depth.empty());
   CHECK(options.farthest == 0);
   CHECK(options.friction == 0.0);  // they knew none
+  CHECK_FALSE(options.dynamics);   // nor inertia
   CHECK_FALSE(session_settings(options).depth.full_resolution);
 }
 

@@ -84,6 +84,37 @@ TEST_CASE("with the setting kSite the tables are not used", "[session]") {
   CHECK(make_loop().session.body().response.contact() == ContactKind::kSite);
 }
 
+TEST_CASE("a body with inertia rings when it is let go, without it is at rest at once",
+          "[session]") {
+  SessionSettings still = kEverythingPresses;
+  still.dynamics = false;
+  FrameLoop moving = touchable_sphere_loop(kEverythingPresses, true),
+            resting = touchable_sphere_loop(still, true);
+  const Eigen::Matrix3Xf rest = moving.session.body().model().surface.vertices.cast<float>();
+  for (int n = 0; n < 8; ++n) {
+    const Frame frame = frame_with_finger(n, 0.001 * n);
+    moving.process(frame);
+    resting.process(frame);
+  }
+  REQUIRE_FALSE(moving.scene.touches.empty());
+  REQUIRE_FALSE(resting.scene.touches.empty());
+  CHECK(resting.scene.ringing == 0);
+  double before = 1e9;
+  for (int n = 8; n < 12; ++n) {
+    const Frame frame = frame_with_finger(n, -0.03);
+    const Scene& scene = moving.process(frame);
+    CHECK(scene.touches.empty());
+    CHECK(scene.bodies[0].vertices != rest);
+    CHECK(scene.ringing > 0);
+    CHECK(scene.ringing < before);
+    before = scene.ringing;
+    CHECK(resting.process(frame).bodies[0].vertices == rest);
+  }
+  for (int n = 12; n < 80; ++n) moving.process(frame_with_finger(n, -0.03));
+  CHECK(moving.scene.ringing == 0);
+  CHECK(moving.scene.bodies[0].vertices == rest);
+}
+
 TEST_CASE("a touched body with tables gives the same bytes again", "[session]") {
   FrameLoop one = touchable_sphere_loop(), other = touchable_sphere_loop();
   for (int n = 0; n < 6; ++n) {
