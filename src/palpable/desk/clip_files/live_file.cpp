@@ -93,6 +93,7 @@ RunSpeed speed_of(JsonFields& live) {
     live.number("wall_s", wall, 0, kIgnored);
     if (frames && wall && *wall > 0) speed.frames_per_second = *frames / *wall;
   }
+  live.number("ringing_j", speed.ringing, 0, kIgnored);
   live.object_if_there("source_troubles", [&](JsonFields& troubles) {
     std::optional<double> dropped;
     troubles.number("dropped", dropped, 0, kIgnored);

@@ -136,13 +136,14 @@ struct LiveSummary {
 /// @throws Error when the file cannot be written
 void write_live_summary(const std::filesystem::path& path, const LiveSummary& summary);
 
-/// How fast a run was, as far as its live.json states it.
+/// How fast a run was, and how it moved, as far as its live.json states it.
 struct RunSpeed {
   std::optional<double> frames_per_second;  ///< "stats.frames_per_s", else "frames" by "wall_s"
   std::optional<double> cpu_ms_per_frame;   ///< "stats.cpu_ms_per_frame"
   std::optional<double> age_p50_ms;         ///< "stats.age_p50_ms"
   std::optional<double> age_p99_ms;         ///< "stats.age_p99_ms"
   std::optional<int> dropped;               ///< "source_troubles.dropped"
+  std::optional<double> ringing;            ///< J, "ringing_j": a body had inertia
 };
 
 /// The part of live.json that scores need. Other systems may write such files, too.

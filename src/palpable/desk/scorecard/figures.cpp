@@ -442,7 +442,12 @@ std::string summary(const std::string& compared, const std::string& accuracy,
     }
     if (speed.dropped) fast += fmt::format(", {} frames dropped", *speed.dropped);
   }
-  return fmt::format("compared: {}\naccuracy: {}\nspeed:    {}\n", compared, accuracy, fast);
+  std::string text =
+      fmt::format("compared: {}\naccuracy: {}\nspeed:    {}\n", compared, accuracy, fast);
+  if (speed.ringing) {
+    text += "note:     bodies had inertia, and the truth is static: play it with --dynamics off\n";
+  }
+  return text;
 }
 
 // What a person wants to know of a body: the errors of shape and force, and whether touches are
