@@ -1,11 +1,14 @@
 #include "palpable/bake/solid/implicit_dynamics.h"
 
 #include "palpable/bake/solid/conjugate_gradients.h"
+#include "palpable/bake/solid/contact_pairs.h"
+#include "palpable/bake/solid/contact_points.h"
 #include "palpable/bake/solid/sparse_cholesky.h"
 #include "palpable/bake/solid/tet_assembly.h"
 #include "palpable/bake/solid/vibration_modes.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/geometry/surface_mesh.h"
 
 #include <fmt/format.h>
 
@@ -20,10 +23,17 @@ namespace palpable {
 using Eigen::Index;
 using Eigen::Matrix3Xd;
 using Eigen::MatrixXd;
+using Eigen::Vector3d;
 using Eigen::VectorXd;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 namespace {
+
+// As in contact.cpp: the first minimisation of a step with contact, and the factor after each
+// update of the multipliers.
+constexpr double kRoughTolerance = 1e-3, kTightened = 0.05;
+constexpr int kRefreshIterations = 40;  // of conjugate gradients with contact, for a new factor
+constexpr const char* kNotPositive = "the effective stiffness is not positive";
 
 // The constants of the method, from rho_inf.
 struct AlphaMethod {
@@ -63,6 +73,35 @@ SparseMatrix at_free_nodes(const SparseMatrix& M, const std::vector<int>& free_n
 
 }  // namespace
 
+// What presses the body, and where.
+struct ContactOfMotion {
+  ObstacleMotion motion;
+  DynamicContact settings;
+  Boundary boundary;
+  double edge, size;
+  ContactPoints points;
+  VectorXd penalties;  // (C) N/m
+  ContactPairs pairs;
+  std::optional<ObstacleGaps> gaps;  // at the end of the step
+
+  // @param stiffness  (N) N/m, effective, of each node
+  ContactOfMotion(ObstacleMotion the_motion, const DynamicContact& the_settings,
+                  const TetMesh& mesh, const TetAssembly& assembly, const VectorXd& stiffness,
+                  double now)
+      : motion(std::move(the_motion)),
+        settings(the_settings),
+        boundary(boundary_of(mesh)),
+        edge(mean_edge_length(boundary.surface)),
+        size((mesh.nodes.rowwise().maxCoeff() - mesh.nodes.rowwise().minCoeff()).norm()),
+        points(contact_points(
+            mesh, boundary,
+            contact_spacing(settings.spacing, boundary.surface, smallest_radius(motion(now))))),
+        penalties(settings.penalty * means_at_points(points, stiffness)),
+        pairs(assembly, boundary, points, penalties) {}
+  ContactOfMotion(const ContactOfMotion&) = delete;
+  ContactOfMotion& operator=(const ContactOfMotion&) = delete;
+};
+
 // Vectors are those of the free nodes (3F), with zeros in held directions, as TetAssembly has them.
 struct ImplicitDynamics::Core {
   SolidModel model;
@@ -77,7 +116,9 @@ struct ImplicitDynamics::Core {
   double of_stiffness = 0;  // s: 2 zeta / omega_m
   double of_M, of_C, of_K;  // their factors in the effective stiffness, 1/s^2, 1/s, 1
   FactorWorkspace workspace;
-  std::optional<CholeskyFactor> factor;  // of the effective stiffness at rest
+  CholeskyAnalysis analysis;
+  std::optional<CholeskyFactor> factor;  // of effective_stiffness() and, if renewed, contact
+  std::unique_ptr<ContactOfMotion> contact;
   VectorXd preload;
   Matrix3Xd rest;
 
@@ -91,7 +132,7 @@ struct ImplicitDynamics::Core {
   int newton_steps = 0, cg_iterations = 0;
 
   // Scratch memory.
-  PassFields fields;
+  PassFields fields, damping_fields;
   CgScratch cg_scratch;
   Matrix3Xd force;
 
@@ -103,6 +144,7 @@ struct ImplicitDynamics::Core {
         assembly(model),
         M(at_free_nodes(consistent_mass(model.mesh, density), assembly.free_nodes())),
         K_rest(assembly.pattern()),
+        analysis(assembly.pattern(), workspace),
         rest(preloaded != nullptr ? preloaded->rest : Matrix3Xd::Zero(3, model.mesh.node_count())),
         force(3, model.mesh.node_count()) {
     if (assembly.free_nodes().empty()) {
@@ -143,9 +185,9 @@ struct ImplicitDynamics::Core {
     }
   }
 
-  // Without the modes' part of C, which is small where a period has many steps and of low rank:
-  // conjugate gradients find it in a few iterations.
-  void factorise() {
+  // The effective stiffness at rest without the modes' part of C, which is small where a period has
+  // many steps and of low rank: conjugate gradients find it in a few iterations.
+  [[nodiscard]] BlockMatrix effective_stiffness() const {
     BlockMatrix S = K_rest;
     const BlockPattern& pattern = assembly.pattern();
     const double share = of_K + of_C * of_stiffness;
@@ -159,9 +201,29 @@ struct ImplicitDynamics::Core {
         }
       }
     }
-    const CholeskyAnalysis analysis(pattern, workspace);
+    return S;
+  }
+
+  // With the stiffness of the present contact.
+  void factorise() {
+    BlockMatrix S = effective_stiffness();
+    if (contact) contact->pairs.add_tangent(S);
     factor = CholeskyFactor::make(analysis, S, FactorPrecision::k32Bits, workspace);
     if (!factor) throw Error("the body buckles in its rest: its stiffness has negative values");
+  }
+
+  void set_obstacle(ObstacleMotion motion, const DynamicContact& settings_of_contact) {
+    const BlockMatrix S = effective_stiffness();
+    VectorXd stiffness = VectorXd::Zero(model.mesh.node_count());
+    for (int m = 0; m < S.pattern().rows(); ++m) {
+      stiffness[assembly.free_nodes()[static_cast<std::size_t>(m)]] =
+          S.block(S.pattern().find(m, m)).trace() / 3.0;
+    }
+    // Nodes that are held do not move, whatever the penalty.
+    const double mean = stiffness.sum() / static_cast<double>(S.pattern().rows());
+    stiffness = (stiffness.array() == 0.0).select(mean, stiffness);
+    contact = std::make_unique<ContactOfMotion>(std::move(motion), settings_of_contact, model.mesh,
+                                                assembly, stiffness, time);
   }
 
   [[nodiscard]] VectorXd mass_times(const VectorXd& x) const {
@@ -171,11 +233,22 @@ struct ImplicitDynamics::Core {
     return y.cwiseProduct(mask);
   }
 
-  [[nodiscard]] VectorXd damping_times(const VectorXd& x) const {
+  // The damping of a step is that of its middle, as far as it is known at its beginning: to h^2.
+  // Where an element is inverted in there, that of its beginning.
+  void set_damping_state() {
+    if (of_stiffness == 0) return;
+    Matrix3Xd at = u;
+    assembly.add_scattered(v, (1 - method.af) * settings.time_step, at);
+    assembly.set_state(at, damping_fields);
+    if (std::isfinite(assembly.force(damping_fields, force).energy)) return;
+    assembly.set_state(u, damping_fields);
+  }
+
+  [[nodiscard]] VectorXd damping_times(const VectorXd& x) {
     if (of_stiffness == 0) return VectorXd::Zero(x.size());
     VectorXd y;
-    K_rest.multiply(x, y);
-    y = of_stiffness * y.cwiseProduct(mask);
+    assembly.tangent_product(damping_fields, x, y);
+    y *= of_stiffness;
     y += M_shapes * modal_damping.cwiseProduct(M_shapes.transpose() * x);
     return y;
   }
@@ -188,8 +261,10 @@ struct ImplicitDynamics::Core {
     return state.energy;
   }
 
-  // x = S^-1 b, with the effective stiffness S at the displacement `at`.
-  VectorXd solve(const Matrix3Xd& at, const VectorXd& b, double relative_tolerance) {
+  // x = S^-1 b, with the effective stiffness S at the displacement `at`, and that of the contact at
+  // the last evaluation. Nothing where it is not positive.
+  std::optional<VectorXd> solve(const Matrix3Xd& at, const VectorXd& b, double relative_tolerance,
+                                bool with_curvature) {
     assembly.set_state(at, fields);
     const CgSystem system{
         .K =
@@ -197,6 +272,7 @@ struct ImplicitDynamics::Core {
               assembly.tangent_product(fields, x, y);
               y = of_K * y + of_M * mass_times(x);
               if (of_stiffness > 0) y += of_C * damping_times(x);
+              if (contact) contact->pairs.add_product(x, with_curvature, y);
             },
         .preconditioner = [&](const VectorXd& r,
                               VectorXd& x) { factor->solve_roughly(r, x, workspace); }};
@@ -204,10 +280,10 @@ struct ImplicitDynamics::Core {
     const CgResult cg = conjugate_gradients(system, b, relative_tolerance,
                                             settings.max_cg_iterations, x, cg_scratch);
     cg_iterations += cg.iterations;
-    if (cg.end != CgEnd::kConverged) {
-      throw trouble(cg.end == CgEnd::kNegativeCurvature ? "the effective stiffness is not positive"
-                                                        : "conjugate gradients did not converge");
-    }
+    // Pairs of contact are stiff and come and go.
+    if (contact && cg.iterations > kRefreshIterations) factorise();
+    if (cg.end == CgEnd::kNegativeCurvature) return std::nullopt;
+    if (cg.end != CgEnd::kConverged) throw trouble("conjugate gradients did not converge");
     return x;
   }
 
@@ -221,45 +297,79 @@ struct ImplicitDynamics::Core {
   // where the steps follow.
   void jump(const VectorXd& df) {
     if (df.norm() <= settings.tolerance * largest_force) return;
-    a += of_M * solve(u, df, 1e-6);
+    const std::optional<VectorXd> x = solve(u, df, 1e-6, false);
+    if (!x) throw trouble(kNotPositive);
+    a += of_M * *x;
   }
 
-  // What a step is solved for: the end of the step as a function of du = u' - u.
+  // A step is the minimum over du = u' - u of
+  //     1/2 du . (of_M M + of_C C) du + of_K Psi(u + du) - b . du + contact
+  struct Step {
+    VectorXd b, inertia;  // inertia: M ((1 - am) a' + am a) at du = 0
+  };
+  [[nodiscard]] Step begin_step(const VectorXd& total_load) {
+    const auto& [am, af, gamma, beta] = method;
+    const double h = settings.time_step;
+    const VectorXd a_0 = -v / (beta * h) - (0.5 - beta) / beta * a;
+    const VectorXd v_0 = v + h * ((1 - gamma) * a + gamma * a_0);
+    Step step{total_load, mass_times((1 - am) * a_0 + am * a)};
+    step.b -= step.inertia + damping_times((1 - af) * v_0 + af * v) + af * f;
+    return step;
+  }
+
   struct End {
-    VectorXd du, a, v, f, residual;
-    double elastic = 0, inertia = 0;  // J; N, the norm
+    VectorXd du, f, residual;
+    double elastic = 0, potential = 0;  // J
+    double inertia = 0;                 // N, the norm
   };
 
   // False if an element is inverted.
-  bool evaluate(const VectorXd& total_load, End& end) {
-    const auto& [am, af, gamma, beta] = method;
-    const double h = settings.time_step;
+  bool evaluate(const Step& step, End& end) {
     Matrix3Xd at = u;
     assembly.add_scattered(end.du, 1.0, at);
     end.elastic = internal_force(at, end.f);
     if (!std::isfinite(end.elastic)) return false;
-    end.a = (end.du - h * v) / (beta * h * h) - (0.5 - beta) / beta * a;
-    end.v = v + h * ((1 - gamma) * a + gamma * end.a);
-    const VectorXd inertia = mass_times((1 - am) * end.a + am * a);
-    end.residual =
-        total_load - inertia - damping_times((1 - af) * end.v + af * v) - (1 - af) * end.f - af * f;
-    end.inertia = inertia.norm();
+    const VectorXd inertia = of_M * mass_times(end.du);
+    const VectorXd moved = inertia + of_C * damping_times(end.du);
+    end.inertia = (inertia + step.inertia).norm();
+    end.residual = step.b - moved - of_K * end.f;
+    end.potential = 0.5 * end.du.dot(moved) + of_K * end.elastic - step.b.dot(end.du);
+    if (contact) {
+      end.potential += contact->pairs.evaluate(*contact->gaps, model.mesh.nodes + at);
+      end.residual += forces_of_contact();
+    }
     return true;
   }
 
-  // One step of Newton's method, shortened where it would invert an element or raise the residual.
-  void newton_step(const VectorXd& total_load, End& end) {
+  // Of the last evaluation.
+  [[nodiscard]] VectorXd forces_of_contact() const {
+    Matrix3Xd at_nodes = Matrix3Xd::Zero(3, model.mesh.node_count());
+    contact->pairs.add_forces(at_nodes);
+    VectorXd free;
+    assembly.gather(at_nodes, free);
+    return free;
+  }
+
+  // One step of Newton's method, shortened where it would invert an element or raise the potential.
+  void newton_step(const Step& step, End& end) {
     Matrix3Xd at = u;
     assembly.add_scattered(end.du, 1.0, at);
     const double norm = end.residual.norm();
     const double relative = norm / largest_force;
     const double forcing =
         std::max(std::min(0.05, relative), std::min(0.5, 0.3 * settings.tolerance / relative));
-    const VectorXd d = solve(at, end.residual, forcing);
+    std::optional<VectorXd> d = solve(at, end.residual, forcing, true);
+    // Without the obstacle's curvature the step is still a descent direction.
+    if (!d && contact) d = solve(at, end.residual, forcing, false);
+    if (!d) throw trouble(kNotPositive);
+    const double slope = end.residual.dot(*d);
+    const double rounding = assembly.energy_noise() + 1e-13 * std::abs(end.potential);
     End trial;
-    for (double share = 1.0; share > 1e-4; share *= 0.5) {
-      trial.du = end.du + share * d;
-      if (evaluate(total_load, trial) && trial.residual.norm() < norm) {
+    for (double share = 1.0; share > 1e-6; share *= 0.5) {
+      trial.du = end.du + share * *d;
+      if (!evaluate(step, trial)) continue;
+      if (trial.potential <= end.potential - 1e-4 * share * slope + rounding ||
+          trial.residual.norm() <= 0.5 * norm) {
         std::swap(end, trial);
         ++newton_steps;
         return;
@@ -268,9 +378,40 @@ struct ImplicitDynamics::Core {
     throw trouble("Newton's method found no better state");
   }
 
-  [[nodiscard]] bool is_solved(const End& end) const {
-    return end.residual.norm() <=
-           std::max(settings.tolerance * largest_force, assembly.force_noise());
+  void minimise(const Step& step, double tolerance, End& end) {
+    for (int k = 0; !is_solved(end, tolerance); ++k) {
+      if (k == settings.max_newton_steps) throw trouble("Newton's method did not converge");
+      newton_step(step, end);
+    }
+  }
+
+  // Solves the step with the obstacle, from `end`.
+  void minimise_with_contact(const Step& step, End& end) {
+    ContactPairs& pairs = contact->pairs;
+    const auto positions = [&] {
+      Matrix3Xd at = model.mesh.nodes + u;
+      assembly.add_scattered(end.du, 1.0, at);
+      return at;
+    };
+    double tolerance = std::max(kRoughTolerance, settings.tolerance);
+    for (int update = 0; update < contact->settings.max_updates; ++update) {
+      const bool is_new = pairs.find(*contact->gaps, positions(), contact->edge) > 0;
+      if (is_new || update == 0) evaluate(step, end);
+      minimise(step, tolerance, end);
+      const double change = pairs.update_multipliers();
+      const bool all_there = pairs.find(*contact->gaps, positions(), contact->edge) == 0;
+      if (all_there && tolerance <= settings.tolerance &&
+          change <= contact->settings.largest_entry * contact->size) {
+        return;
+      }
+      evaluate(step, end);
+      tolerance = std::max(kTightened * tolerance, settings.tolerance);
+    }
+    throw trouble("the forces of contact did not settle");
+  }
+
+  [[nodiscard]] bool is_solved(const End& end, double tolerance) const {
+    return end.residual.norm() <= std::max(tolerance * largest_force, assembly.force_noise());
   }
 };
 
@@ -307,6 +448,7 @@ void ImplicitDynamics::step(const Matrix3Xd& load) {
   Core& c = *core_;
   PALPABLE_EXPECT(load.cols() == c.model.mesh.node_count(), "a force for each node");
   const double h = c.settings.time_step;
+  c.set_damping_state();
   VectorXd total;
   c.assembly.gather(load, total);
   total += c.preload;
@@ -315,28 +457,53 @@ void ImplicitDynamics::step(const Matrix3Xd& load) {
   c.jump(total - (c.load ? *c.load : VectorXd(c.f + c.damping_times(c.v))));
   c.load = total;
 
+  if (c.contact) c.contact->gaps.emplace(c.contact->motion(c.time + h));
+  const Core::Step step = c.begin_step(total);
   // With this start a' = a.
-  Core::End end{.du = h * c.v + 0.5 * h * h * c.a, .a = {}, .v = {}, .f = {}, .residual = {}};
-  if (c.evaluate(total, end)) {
+  Core::End end{.du = h * c.v + 0.5 * h * h * c.a, .f = {}, .residual = {}};
+  if (c.evaluate(step, end)) {
     c.largest_force = std::max({c.largest_force, end.inertia, end.f.norm()});
   } else {
     end.du.setZero();
-    c.evaluate(total, end);
+    c.evaluate(step, end);
   }
-  for (int k = 0; !c.is_solved(end); ++k) {
-    if (k == c.settings.max_newton_steps) throw c.trouble("Newton's method did not converge");
-    c.newton_step(total, end);
+  if (c.contact) {
+    c.minimise_with_contact(step, end);
+    c.energy.work += c.forces_of_contact().dot(end.du);
+  } else {
+    c.minimise(step, c.settings.tolerance, end);
   }
 
+  const auto& [am, af, gamma, beta] = c.method;
+  const VectorXd a = (end.du - h * c.v) / (beta * h * h) - (0.5 - beta) / beta * c.a;
+  const VectorXd v = c.v + h * ((1 - gamma) * c.a + gamma * a);
   c.energy.work += total.dot(end.du);
-  c.energy.dissipated += end.du.dot(c.damping_times((1 - c.method.af) * end.v + c.method.af * c.v));
+  c.energy.dissipated += end.du.dot(c.damping_times((1 - af) * v + af * c.v));
   c.assembly.add_scattered(end.du, 1.0, c.u);
-  c.v = end.v;
-  c.a = end.a;
+  c.v = v;
+  c.a = a;
   c.f = end.f;
   c.energy.elastic = end.elastic;
   c.energy.kinetic = 0.5 * c.v.dot(c.mass_times(c.v));
   c.time += h;
+}
+
+void ImplicitDynamics::set_obstacle(ObstacleMotion motion, const DynamicContact& contact) {
+  core_->set_obstacle(std::move(motion), contact);
+}
+
+Vector3d ImplicitDynamics::contact_force() const {
+  Vector3d sum = Vector3d::Zero();
+  if (!core_->contact) return sum;
+  for (const ContactPair& pair : core_->contact->pairs.pairs()) sum += pair.whole_force();
+  return sum;
+}
+
+int ImplicitDynamics::touching() const {
+  if (!core_->contact) return 0;
+  const std::vector<ContactPair>& pairs = core_->contact->pairs.pairs();
+  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(),
+                                        [](const ContactPair& pair) { return pair.force > 0; }));
 }
 
 double ImplicitDynamics::time() const { return core_->time; }

@@ -20,6 +20,7 @@
 #pragma once
 
 #include "palpable/bake/solid/equilibrium.h"
+#include "palpable/bake/solid/obstacle.h"
 #include "palpable/bake/solid/solid_model.h"
 
 #include <Eigen/Core>
@@ -30,12 +31,15 @@ namespace palpable {
 
 /// Damping that gives each of some modes the same ratio zeta, and stiffer motion more:
 ///
-///     C = M Phi diag(2 zeta omega_i (1 - omega_i / omega_m)) Phi^T M  +  (2 zeta / omega_m) K
+///     C(u) = M Phi diag(2 zeta omega_i (1 - omega_i / omega_m)) Phi^T M  +  (2 zeta / omega_m)
+///     K(u)
 ///
-/// K is the tangent at rest. In mode i <= m the two terms add up to 2 zeta omega_i exactly. In
-/// modes beyond, only the second is left: zeta omega / omega_m, which is zeta at omega_m and rises
-/// from there. Mass and stiffness alone (Rayleigh) would give the ratio at two frequencies only;
-/// the first term alone would let all modes beyond ring for ever, which rubber does not do.
+/// K is the tangent at u. At rest the two terms add up to 2 zeta omega_i in mode i <= m, exactly.
+/// In modes beyond, only the second is left: zeta omega / omega_m, which is zeta at omega_m and
+/// rises from there. Mass and stiffness alone (Rayleigh) would give the ratio at two frequencies
+/// only; the first term alone would let all modes beyond ring for ever, which rubber does not do.
+/// With the tangent at rest instead of K(u), parts that have turned would be damped as if they were
+/// strained: a bunny's ear that is plucked by 20 mm lost a third of its swings that way.
 struct ModalDamping {
   Eigen::VectorXd omega = {};   ///< (m) rad/s, rising; of vibration_modes() for the same body
   Eigen::MatrixXd shapes = {};  ///< (3N x m) 1/sqrt(kg), of unit modal mass
@@ -62,9 +66,17 @@ struct DynamicEnergy {
   double kinetic = 0;
   double elastic = 0;     ///< stored in the body
   double dissipated = 0;  ///< by damping, since start()
-  double work = 0;        ///< by loads and preload, since start()
+  double work = 0;        ///< by loads, preload and the obstacle, since start()
 
   [[nodiscard]] double balance() const { return kinetic + elastic + dissipated - work; }
+};
+
+/// Contact with an obstacle, see ContactSettings.
+struct DynamicContact {
+  double spacing = 0;   ///< m, between contact points; 0: chosen as ContactSettings::spacing
+  double penalty = 30;  ///< ratio to the effective stiffness of a point's nodes
+  double largest_entry = 1e-6;  ///< ratio to the diagonal of the body's bounding box
+  int max_updates = 60;         ///< of the multipliers, per step
 };
 
 /// Not for several threads. Memory: the factor of the effective stiffness in 32 bits, 2 m vectors.
@@ -83,6 +95,11 @@ class ImplicitDynamics {
   /// @throws Error if an element is inverted in u
   void start(const Eigen::Matrix3Xd& u, const Eigen::Matrix3Xd& v);
 
+  /// From now on an obstacle presses the body; `motion` gives its pose at time() and later. It
+  /// should not touch the body yet.
+  /// @throws Error as ContactWalk for a spacing that is too small
+  void set_obstacle(ObstacleMotion motion, const DynamicContact& contact = {});
+
   /// Moves on by a time step under a constant load, in addition to the preload. Where the load
   /// differs from that of the step before, a jumps by what the effective stiffness makes of the
   /// difference; without it a jump would be felt with a delay of some 0.06 h.
@@ -95,6 +112,9 @@ class ImplicitDynamics {
   [[nodiscard]] const Eigen::Matrix3Xd& displacement() const;  ///< (3 x N) m, of undeformed nodes
   [[nodiscard]] Eigen::Matrix3Xd velocity() const;             ///< (3 x N) m/s
   [[nodiscard]] const DynamicEnergy& energy() const;
+  /// N, of the obstacle on the body in the last step.
+  [[nodiscard]] Eigen::Vector3d contact_force() const;
+  [[nodiscard]] int touching() const;       ///< contact points with force
   [[nodiscard]] int newton_steps() const;   ///< since start()
   [[nodiscard]] int cg_iterations() const;  ///< since start()
 
