@@ -7,8 +7,10 @@
 #include "palpable/bake/describe/body_problem.h"
 #include "palpable/bake/describe/touch_mesh.h"
 #include "palpable/bake/pipeline/full_body.h"
+#include "palpable/bake/solid/contact.h"
 #include "palpable/bake/solid/implicit_dynamics.h"
 #include "palpable/bake/solid/vibration_modes.h"
+#include "palpable/bake/touch_bake/touch_scenes.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/body_file/touch_file.h"
 
@@ -19,6 +21,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -36,15 +39,21 @@ struct BenchDynamicsOptions {
   double step_ms = 0.5;
   double rho_inf = 0.8;
   double damped_hz = 60;
+  int hits = 3;
+  std::uint64_t seed = 1;
+  double speed = 0.2;  // m/s
   bool json = false;
 };
 
 // s: a ring that has not passed its rest often enough by then is not that of an ear.
 constexpr double kLongest = 10;
-constexpr int kComparedModes = 20;  // with CalculiX
+constexpr int kComparedModes = 20;                   // with CalculiX
+constexpr double kHitDepth = 0.005, kHitRest = 0.1;  // m; s that a thing stays
+// Forces of a hit are means over this time, s: a substep of the live half.
+constexpr double kHitMean = 2e-3;
 
 // @throws Error where the file has no modes of this body
-VibrationTable modes_in(const std::filesystem::path& file, const SkinResponse& skin) {
+TouchTables tables_with_modes(const std::filesystem::path& file, const SkinResponse& skin) {
   TouchableBody body = value_or_throw(read_pressable_touchable_body(file));
   if (!body.touch || !body.touch->vibration) {
     throw Error(file.string() + ": has no vibration modes; bake it with a density in [material]");
@@ -52,7 +61,7 @@ VibrationTable modes_in(const std::filesystem::path& file, const SkinResponse& s
   if (!trouble_of(*body.touch->vibration, skin.shell_count()).empty()) {
     throw Error(file.string() + ": is not of this body");
   }
-  return std::move(*body.touch->vibration);
+  return std::move(*body.touch);
 }
 
 // Frequencies against CalculiX on the same mesh, around the undeformed body, where every law that
@@ -95,19 +104,23 @@ struct Reference {
   const VibrationTable& table;
   ModalDamping damping;
   const BenchDynamicsOptions& options;
+  double point_spacing;  // m, of the body file
 
+  [[nodiscard]] ImplicitDynamics dynamics(double time_step) const {
+    return ImplicitDynamics(body.solver.model(), table.density, damping,
+                            {.time_step = time_step, .rho_inf = options.rho_inf},
+                            body.presses.preloaded());
+  }
   [[nodiscard]] FullRing ring(const PluckedPlace& place, const Eigen::Matrix3Xd& start,
                               double time_step) const {
-    ImplicitDynamics dynamics(body.solver.model(), table.density, damping,
-                              {.time_step = time_step, .rho_inf = options.rho_inf},
-                              body.presses.preloaded());
+    ImplicitDynamics dynamics = this->dynamics(time_step);
     return ring_in_full(dynamics, body.skin, place, start, time_step, kComparedCrossings, kLongest);
   }
 };
 
 Json pluck_figures(const Reference& reference, const PluckedPlace& place, double press,
                    ProgressBar& bar) {
-  const auto& [body, table, damping, options] = reference;
+  const auto& [body, table, damping, options, spacing] = reference;
   const double h = 1e-3 * options.step_ms;
   bar.show({"pulls, lets go", 0, 3, fmt::format("{:g} mm", 1e3 * press)});
   const LoadSearch pull = body.solver.find_load(unit_pull(body.skin, place), press,
@@ -149,7 +162,7 @@ Json pluck_figures(const Reference& reference, const PluckedPlace& place, double
           {"twice_the_step_amplitude", of_step.amplitude},
           {"twice_the_step_phase", of_step.phase},
           {"energy_growth", full.energy_rise / full.energy},
-          {"energy_lost_by_method", full.energy_lost / full.energy},
+          {"energy_balance_error", full.balance_error / full.energy},
           {"energy_j", full.energy},
           {"steps", full.steps},
           {"newton_steps", full.newton_steps},
@@ -157,17 +170,49 @@ Json pluck_figures(const Reference& reference, const PluckedPlace& place, double
           {"full_s", seconds}};
 }
 
+// The force of a finger that comes at a speed and stays: the truth for the live half's.
+Json hit_figures(const Reference& reference, const TouchScene& scene) {
+  const BenchDynamicsOptions& options = reference.options;
+  const Hit hit{scene, options.speed, kHitDepth};
+  const double seconds = hit.depth / hit.speed + kHitRest;
+  try {
+    const auto forces_with = [&](double time_step) {
+      ImplicitDynamics dynamics = reference.dynamics(time_step);
+      return means_of_groups(hit_in_full(dynamics, hit, reference.point_spacing,
+                                         static_cast<int>(seconds / time_step)),
+                             std::max(1, static_cast<int>(std::lround(kHitMean / time_step))));
+    };
+    const double h = 1e-3 * options.step_ms;
+    const std::vector<Eigen::Vector3d> forces = forces_with(h), coarse = forces_with(2 * h);
+    ContactWalk walk(
+        reference.body.solver, [&](double t) { return obstacle_at(scene, t * hit.depth); }, 0.0,
+        {.spacing = reference.point_spacing}, reference.body.presses.preloaded());
+    if (!walk.advance(1.0)) return {{"stopped", walk.why_stopped()}};
+    std::vector<double> sizes;
+    for (const Eigen::Vector3d& force : forces) sizes.push_back(force.norm());
+    const double at_rest = walk.now().force.norm(), peak = peak_of(forces);
+    return {{"at_rest_n", at_rest},
+            {"peak_n", peak},
+            {"peak_over_rest", peak / at_rest},
+            {"last_over_rest", forces.back().norm() / at_rest},
+            {"twice_the_step_peak", std::abs(peak_of(coarse) / peak - 1)},
+            {"forces_n", sizes}};
+  } catch (const Error& error) { return {{"stopped", error.what()}}; }
+}
+
 void bench_dynamics(const BenchDynamicsOptions& options) {
   ProgressBar bar;
   const BodyProblem problem = pose_for_touch(read_body_description(options.body));
   const FullBody body(problem.model, problem.mesh.boundary, problem.preload);
-  const VibrationTable table = modes_in(options.baked, body.skin);
+  const TouchTables tables = tables_with_modes(options.baked, body.skin);
+  const VibrationTable& table = *tables.vibration;
   bar.show({"vibration modes", 0, 1, {}});
   const VibrationModes modes = vibration_modes(
       body.skin.body(), table.density,
       {.least = table.mode_count(), .below = 2 * std::numbers::pi * options.damped_hz});
   const PluckedPlace place = softest_place(body.skin, table);
-  const Reference reference{body, table, {modes.omega, modes.shapes, table.damping()}, options};
+  const Reference reference{
+      body, table, {modes.omega, modes.shapes, table.damping()}, options, tables.point_spacing};
   bar.show({"CalculiX' frequencies", 0, 1, {}});
   Json figures = frequency_figures(body, table.density);
   figures["eigen_residual"] = modes.residual.maxCoeff();
@@ -191,6 +236,17 @@ void bench_dynamics(const BenchDynamicsOptions& options) {
     }
     figures[fmt::format("pluck_{:g}mm", options.plucks_mm[k])] = pluck;
   }
+  Json hits = Json::array();
+  for (const TouchScene& scene :
+       touch_scenes(body.skin, PressingThing::kFinger, options.hits, options.seed)) {
+    bar.show({"is hit", static_cast<double>(hits.size()), static_cast<double>(options.hits), {}});
+    hits.push_back(hit_figures(reference, scene));
+  }
+  figures["hits"] = hits;
+  figures["hit_speed"] = options.speed;
+  figures["hit_depth_mm"] = 1e3 * kHitDepth;
+  figures["hit_mean_ms"] = 1e3 * kHitMean;
+  figures["seed"] = options.seed;
   bar.finish();
   print_figures(figures, options.json);
 }
@@ -222,6 +278,13 @@ void add_bench_dynamics(Command bench) {
       .add_option("--damped-below", options->damped_hz,
                   "Hz: all modes below it have the damping ratio of the material in the full mesh")
       .in_range(0.0, 1000.0)
+      .show_default();
+  command.add_option("--hits", options->hits, "Fingers that hit it at random places, 5 mm deep")
+      .in_range(0, 100)
+      .show_default();
+  command.add_option("--seed", options->seed, "Of the places").show_default();
+  command.add_option("--speed", options->speed, "m/s, of the fingers")
+      .in_range(0.001, 5.0)
       .show_default();
   command.add_json(options->json);
   command.footer(

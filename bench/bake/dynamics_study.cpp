@@ -72,6 +72,7 @@ FullRing ring_in_full(ImplicitDynamics& dynamics, const SkinResponse& skin,
   const double at_rest = dynamics.energy().elastic;
   dynamics.start(start, nothing);
   const double begin = dynamics.energy().balance();
+  double least = begin;
   full.energy = begin - at_rest;
   full.ring.motion.push_back(motion());
   int passed = 0;
@@ -80,9 +81,11 @@ FullRing ring_in_full(ImplicitDynamics& dynamics, const SkinResponse& skin,
     full.ring.motion.push_back(motion());
     const auto& all = full.ring.motion;
     if (all[all.size() - 2] * all.back() <= 0) ++passed;
-    full.energy_rise = std::max(full.energy_rise, dynamics.energy().balance() - begin);
+    const DynamicEnergy& energy = dynamics.energy();
+    full.energy_rise = std::max(full.energy_rise, energy.kinetic + energy.elastic - least);
+    least = std::min(least, energy.kinetic + energy.elastic);
+    full.balance_error = std::max(full.balance_error, std::abs(energy.balance() - begin));
   }
-  full.energy_lost = begin - dynamics.energy().balance();
   full.steps = static_cast<int>(full.ring.motion.size()) - 1;
   full.newton_steps = dynamics.newton_steps();
   full.cg_iterations = dynamics.cg_iterations();
@@ -162,6 +165,41 @@ RingDifference ring_difference(const Ring& ring, const Ring& truth) {
   }
   difference.trace = std::sqrt(squares / true_squares);
   return difference;
+}
+
+Obstacle obstacle_of(const Hit& hit, double t) {
+  return obstacle_at(hit.scene, std::clamp(hit.speed * t, 0.0, hit.depth));
+}
+
+std::vector<Vector3d> hit_in_full(ImplicitDynamics& dynamics, const Hit& hit, double spacing,
+                                  int samples) {
+  const Matrix3Xd nothing = Matrix3Xd::Zero(3, dynamics.rest().cols());
+  dynamics.start(dynamics.rest(), nothing);
+  dynamics.set_obstacle([&hit](double t) { return obstacle_of(hit, t); }, {.spacing = spacing});
+  std::vector<Vector3d> forces;
+  for (int n = 0; n < samples; ++n) {
+    dynamics.step(nothing);
+    forces.push_back(dynamics.contact_force());
+  }
+  return forces;
+}
+
+std::vector<Vector3d> means_of_groups(const std::vector<Vector3d>& forces, int count) {
+  PALPABLE_EXPECT(count >= 1, "a group has a sample");
+  std::vector<Vector3d> means;
+  const auto size = static_cast<std::size_t>(count);
+  for (std::size_t first = 0; first + size <= forces.size(); first += size) {
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t n = first; n < first + size; ++n) sum += forces[n];
+    means.emplace_back(sum / count);
+  }
+  return means;
+}
+
+double peak_of(const std::vector<Vector3d>& forces) {
+  double largest = 0;
+  for (const Vector3d& force : forces) largest = std::max(largest, force.norm());
+  return largest;
 }
 
 }  // namespace palpable

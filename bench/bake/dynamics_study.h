@@ -1,6 +1,7 @@
 /// @file
 /// How a body rings that is plucked and let go: the full mesh in time (solid/implicit_dynamics.h)
-/// beside the oscillators of the vibration modes in its body file (response/vibration_table.h).
+/// beside the oscillators of the vibration modes in its body file (response/vibration_table.h); and
+/// the force of a thing that hits it.
 ///
 ///   m  modes
 #pragma once
@@ -8,6 +9,7 @@
 #include "palpable/bake/solid/equilibrium.h"
 #include "palpable/bake/solid/implicit_dynamics.h"
 #include "palpable/bake/touch_bake/skin_response.h"
+#include "palpable/bake/touch_bake/touch_scenes.h"
 #include "palpable/common/response/vibration_table.h"
 
 #include <Eigen/Core>
@@ -38,9 +40,9 @@ struct Ring {
 /// A ring of the full mesh.
 struct FullRing {
   Ring ring;
-  /// J: the largest rise of kinetic + elastic + dissipated energy above the energy at the start,
-  /// and what the method has lost of it at the end.
-  double energy_rise = 0, energy_lost = 0;
+  /// J: how far kinetic and elastic energy together ever rise above what they were before, although
+  /// nothing works on the body; and the largest error of the balance with what damping took.
+  double energy_rise = 0, balance_error = 0;
   double energy = 0;  ///< J above that of the rest, at the start
   int steps = 0, newton_steps = 0, cg_iterations = 0;
 };
@@ -80,5 +82,30 @@ struct RingDifference {
 
 /// @throws Error if one of them has fewer crossings
 [[nodiscard]] RingDifference ring_difference(const Ring& ring, const Ring& truth);
+
+/// A thing that comes at a constant speed, just touches the body at the time 0, is stopped at a
+/// depth and stays there.
+struct Hit {
+  TouchScene scene;
+  double speed = 0.2;    ///< m/s
+  double depth = 0.005;  ///< m, how far it goes in
+};
+
+/// Its pose. @param t  s; before 0 as at 0
+[[nodiscard]] Obstacle obstacle_of(const Hit& hit, double t);
+
+/// (samples) N, the force of the thing on the full mesh, without friction, at the ends of the steps
+/// from rest.
+/// @param spacing  m, between contact points
+[[nodiscard]] std::vector<Eigen::Vector3d> hit_in_full(ImplicitDynamics& dynamics, const Hit& hit,
+                                                       double spacing, int samples);
+
+/// N, the mean of each group of `count` samples that follow each other; what is left over at the
+/// end is dropped. Contact makes the force jump from step to step.
+[[nodiscard]] std::vector<Eigen::Vector3d> means_of_groups(
+    const std::vector<Eigen::Vector3d>& forces, int count);
+
+/// N, the largest size of a force; 0 of none.
+[[nodiscard]] double peak_of(const std::vector<Eigen::Vector3d>& forces);
 
 }  // namespace palpable

@@ -432,6 +432,10 @@ void ImplicitDynamics::start(const Matrix3Xd& u, const Matrix3Xd& v) {
   PALPABLE_EXPECT(u.cols() == c.model.mesh.node_count() && v.cols() == u.cols(),
                   "a displacement and a velocity for each node");
   c.time = 0;
+  if (c.contact) {
+    c.contact.reset();
+    c.factorise();
+  }
   c.u = u;
   c.assembly.gather(v, c.v);
   c.a = VectorXd::Zero(c.v.size());

@@ -31,15 +31,15 @@ namespace palpable {
 
 /// Damping that gives each of some modes the same ratio zeta, and stiffer motion more:
 ///
-///     C(u) = M Phi diag(2 zeta omega_i (1 - omega_i / omega_m)) Phi^T M  +  (2 zeta / omega_m)
-///     K(u)
+///     C(u) = M Phi D Phi^T M + (2 zeta / omega_m) K(u)
+///     D    = diag(2 zeta omega_i (1 - omega_i / omega_m))
 ///
 /// K is the tangent at u. At rest the two terms add up to 2 zeta omega_i in mode i <= m, exactly.
 /// In modes beyond, only the second is left: zeta omega / omega_m, which is zeta at omega_m and
 /// rises from there. Mass and stiffness alone (Rayleigh) would give the ratio at two frequencies
 /// only; the first term alone would let all modes beyond ring for ever, which rubber does not do.
 /// With the tangent at rest instead of K(u), parts that have turned would be damped as if they were
-/// strained: a bunny's ear that is plucked by 20 mm lost a third of its swings that way.
+/// strained: the swings of a bunny's ear that is plucked by 20 mm came out 17 to 32 % too small.
 struct ModalDamping {
   Eigen::VectorXd omega = {};   ///< (m) rad/s, rising; of vibration_modes() for the same body
   Eigen::MatrixXd shapes = {};  ///< (3N x m) 1/sqrt(kg), of unit modal mass
@@ -90,7 +90,7 @@ class ImplicitDynamics {
   ~ImplicitDynamics();
   ImplicitDynamics(ImplicitDynamics&&) noexcept;
 
-  /// Begins at time 0. The body need not be in equilibrium.
+  /// Begins at time 0, without an obstacle. The body need not be in equilibrium.
   /// @param u, v  (3 x N) m, m/s; supports stay where u has them, v is ignored there
   /// @throws Error if an element is inverted in u
   void start(const Eigen::Matrix3Xd& u, const Eigen::Matrix3Xd& v);
