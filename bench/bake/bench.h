@@ -20,6 +20,7 @@ void add_bench_beam(Command bench);
 void add_bench_bodies(Command bench);
 void add_bench_campaign(Command bench);
 void add_bench_clip(Command bench);
+void add_bench_dynamics(Command bench);
 void add_bench_elements(Command bench);
 void add_bench_friction(Command bench);
 void add_bench_obstacle(Command bench);

@@ -20,6 +20,7 @@ int run_benches(int argc, char** argv) {
   add_bench_campaign(bench);
   add_bench_clip(bench);
   add_bench_solid(bench);
+  add_bench_dynamics(bench);
   add_bench_elements(bench);
   add_bench_friction(bench);
   add_bench_obstacle(bench);

@@ -3,6 +3,8 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/temporary_folder.h"
+#include "palpable/common/geometry/quadrature.h"
+#include "palpable/common/geometry/shape_gradients.h"
 
 #include <fmt/format.h>
 
@@ -269,6 +271,32 @@ std::string calculix_error(std::string_view log) {
   while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
   const std::size_t begin = text.find_first_not_of(" :");
   return begin == std::string::npos ? std::string() : text.substr(begin);
+}
+
+Eigen::SparseMatrix<double> calculix_mass(const TetMesh& mesh, double density) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    const auto add = [&](const auto& nodes, const auto& N, double mass) {
+      for (Eigen::Index a = 0; a < nodes.size(); ++a) {
+        for (Eigen::Index b = 0; b < nodes.size(); ++b) {
+          entries.emplace_back(nodes[a], nodes[b], mass * N[a] * N[b]);
+        }
+      }
+    };
+    if (!mesh.is_quadratic()) {
+      add(Eigen::Vector4i(mesh.tets.col(e)), Eigen::Vector4d(Eigen::Vector4d::Constant(0.25)),
+          density * shape_gradients(mesh, e).volume);
+      continue;
+    }
+    for (const auto& [L, weight] : four_point_rule()) {
+      const QuadraticShape shape = quadratic_shape(L);
+      add(quadratic_nodes(mesh, e), shape.N,
+          density * weight * quadratic_gradients(mesh, e, shape).volume);
+    }
+  }
+  Eigen::SparseMatrix<double> M(mesh.node_count(), mesh.node_count());
+  M.setFromTriplets(entries.begin(), entries.end());
+  return M;
 }
 
 std::optional<fs::path> find_calculix(std::string_view program) {

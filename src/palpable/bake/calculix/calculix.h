@@ -15,6 +15,7 @@
 #include "palpable/common/base/progress.h"
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include <filesystem>
 #include <optional>
@@ -64,11 +65,6 @@ struct CalculixRun {
                                               const CalculixSettings& settings = {},
                                               const Progress& progress = {});
 
-/// CalculiX integrates the mass at the points of the stiffness, one of a C3D4 and four of a C3D10.
-/// Those are too few for products of shape functions, so its frequencies are too high: by up to 20
-/// % on a coarse mesh of C3D4, by less than 0.1 % where five C3D10 and more lie in a wave. With the
-/// mass so integrated ours are the same to seven digits (calculix_test.cpp).
-///
 /// The lowest frequencies of free vibration around the undeformed body, rad/s, rising, by CalculiX
 /// (*FREQUENCY, ARPACK) on the same mesh: to verify solid/vibration_modes.h. Only `program` and
 /// `folder` of the settings are used.
@@ -77,6 +73,13 @@ struct CalculixRun {
 [[nodiscard]] std::vector<double> frequencies_by_calculix(const SolidModel& model, double density,
                                                           int modes,
                                                           const CalculixSettings& settings = {});
+
+/// The mass as CalculiX integrates it for *FREQUENCY, (N x N) kg: at the points of the stiffness,
+/// one of a C3D4 and four of a C3D10. Those are too few for products of shape functions, so its
+/// frequencies are too high: by up to 20 % on a coarse mesh of C3D4, by less than 0.1 % where five
+/// C3D10 and more lie in a wave. With this mass ours are the same to seven digits
+/// (calculix_test.cpp).
+[[nodiscard]] Eigen::SparseMatrix<double> calculix_mass(const TetMesh& mesh, double density);
 
 /// The program's full path if it can be run; nothing otherwise. @param program  name or path
 [[nodiscard]] std::optional<std::filesystem::path> find_calculix(std::string_view program = "ccx");

@@ -5,8 +5,6 @@
 #include "palpable/bake/solid/vibration_modes.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/geometry/quadrature.h"
-#include "palpable/common/geometry/shape_gradients.h"
 #include "tests/support/replaced.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
@@ -441,34 +439,6 @@ TEST_CASE(
   }
 }
 
-// The mass as CalculiX integrates it: at the points of the stiffness, one (C3D4) or four (C3D10),
-// which are too few for products of shape functions.
-Eigen::SparseMatrix<double> mass_of_calculix(const TetMesh& mesh, double density) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int e = 0; e < mesh.tet_count(); ++e) {
-    const auto add = [&](const auto& nodes, const auto& N, double mass) {
-      for (Eigen::Index a = 0; a < nodes.size(); ++a) {
-        for (Eigen::Index b = 0; b < nodes.size(); ++b) {
-          entries.emplace_back(nodes[a], nodes[b], mass * N[a] * N[b]);
-        }
-      }
-    };
-    if (!mesh.is_quadratic()) {
-      add(Eigen::Vector4i(mesh.tets.col(e)), Eigen::Vector4d(Eigen::Vector4d::Constant(0.25)),
-          density * shape_gradients(mesh, e).volume);
-      continue;
-    }
-    for (const auto& [L, weight] : four_point_rule()) {
-      const QuadraticShape shape = quadratic_shape(L);
-      add(quadratic_nodes(mesh, e), shape.N,
-          density * weight * quadratic_gradients(mesh, e, shape).volume);
-    }
-  }
-  Eigen::SparseMatrix<double> M(mesh.node_count(), mesh.node_count());
-  M.setFromTriplets(entries.begin(), entries.end());
-  return M;
-}
-
 TEST_CASE("CalculiX finds the same frequencies on the same mesh", "[calculix][vibration]") {
   if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
   constexpr double kDensity = 1070;
@@ -486,7 +456,7 @@ TEST_CASE("CalculiX finds the same frequencies on the same mesh", "[calculix][vi
       const LoadResponse body(model);
       const VibrationModes own = vibration_modes(body, kDensity, {.least = 12, .below = 0});
       const VibrationModes with_their_mass =
-          vibration_modes(body, mass_of_calculix(model.mesh, kDensity), {.least = 12, .below = 0});
+          vibration_modes(body, calculix_mass(model.mesh, kDensity), {.least = 12, .below = 0});
       const std::vector<double> theirs = frequencies_by_calculix(model, kDensity, 12);
       INFO("E = " << E << ", body " << kind);
       for (int k = 0; k < 12; ++k) {

@@ -41,7 +41,6 @@ constexpr int kUpdatesWithFriction = 4;
 constexpr int kPredictionUpdates = 2, kPredictionSteps = 6;
 // Spacing of the grid on which penetration between contact points is measured, ratio to their own.
 constexpr double kFinerGrid = 0.25;
-constexpr double kMostPoints = 2e6;  // contact points of a body; they take some 1 GB
 // Factor on ContactSettings::largest_entry between bodies with friction. Contact points of both
 // skins lie side by side and share a force; where the rim of a contact sticks, their shares
 // converge slowly. The usual bound was not reached in 30 updates.
@@ -51,30 +50,6 @@ constexpr double kRubbing = 5.0;
 constexpr double kPassingTolerance = 1e3, kPassingEntry = 10.0;
 // Largest MutualPairs::Detection::shift at which the pairs between bodies count as converged.
 constexpr double kSettled = 1e-4;
-
-double chosen_spacing(const ContactSettings& settings, double edge, const Obstacle& obstacle) {
-  if (settings.spacing > 0.0) return settings.spacing;
-  return std::min(0.5 * smallest_radius(obstacle), edge / 3.0);
-}
-
-// Throws Error for a grid of more than kMostPoints points. @returns the spacing
-double refuse_too_many(const SurfaceMesh& skin, double spacing) {
-  double area = 0.0;
-  for (int t = 0; t < skin.triangle_count(); ++t) {
-    const Vector3d a = skin.vertices.col(skin.triangles(0, t));
-    const Vector3d b = skin.vertices.col(skin.triangles(1, t));
-    const Vector3d c = skin.vertices.col(skin.triangles(2, t));
-    area += 0.5 * (b - a).cross(c - a).norm();
-  }
-  const double count = area / (spacing * spacing);
-  if (count > kMostPoints) {
-    throw Error(fmt::format(
-        "contact points every {:.3g} mm would be {:.2g} million on this skin; at most {:.0f} "
-        "million are possible: ask for a larger spacing, {:.2g} mm or more",
-        1e3 * spacing, 1e-6 * count, 1e-6 * kMostPoints, 1e3 * std::sqrt(area / kMostPoints)));
-  }
-  return spacing;
-}
 
 // (N) N/m, the mean diagonal stiffness of each node at rest.
 VectorXd node_stiffness(const TetAssembly& assembly) {
@@ -90,21 +65,6 @@ VectorXd node_stiffness(const TetAssembly& assembly) {
   // Nodes that are held do not move, whatever the penalty.
   const double mean = stiffness.sum() / static_cast<double>(assembly.free_nodes().size());
   return (stiffness.array() == 0.0).select(mean, stiffness);
-}
-
-// (C) mean of a nodal value over the nodes of each contact point, weighted by |shape|.
-VectorXd means_at(const ContactPoints& points, const VectorXd& of_nodes) {
-  VectorXd means(static_cast<Eigen::Index>(points.points.size()));
-  for (Eigen::Index i = 0; i < means.size(); ++i) {
-    const ContactPoint& point = points.points[i];
-    double weighted = 0.0, weights = 0.0;
-    for (int k = 0; k < point.count; ++k) {
-      weighted += std::abs(point.shape[k]) * of_nodes[point.nodes[k]];
-      weights += std::abs(point.shape[k]);
-    }
-    means[i] = weighted / weights;
-  }
-  return means;
 }
 
 // The tangent with additional blocks between nodes of different components, which the pattern of
@@ -137,7 +97,7 @@ struct ContactWalk::Work {
   const Preloaded* preloaded;
   ObstacleMotion motion;
   Boundary boundary;
-  double edge, size, spacing, checked_spacing;
+  double edge, size, spacing;
   ContactPoints points;
   VectorXd node_stiffnesses;  // (N) N/m
   VectorXd penalties;         // (C) N/m
@@ -177,11 +137,11 @@ struct ContactWalk::Work {
         size((core.model.mesh.nodes.rowwise().maxCoeff() -
               core.model.mesh.nodes.rowwise().minCoeff())
                  .norm()),
-        spacing(chosen_spacing(settings, edge, motion(begin))),
-        checked_spacing(refuse_too_many(boundary.surface, spacing)),
-        points(contact_points(core.model.mesh, boundary, checked_spacing)),
+        spacing(
+            contact_spacing(settings.spacing, boundary.surface, smallest_radius(motion(begin)))),
+        points(contact_points(core.model.mesh, boundary, spacing)),
         node_stiffnesses(node_stiffness(assembly)),
-        penalties(settings.penalty * means_at(points, node_stiffnesses)),
+        penalties(settings.penalty * means_at_points(points, node_stiffnesses)),
         pairs(assembly, boundary, points, penalties,
               {settings.friction, settings.sticking_penalty / settings.penalty}),
         factor(&core.at_rest.factor),

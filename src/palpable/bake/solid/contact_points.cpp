@@ -1,8 +1,13 @@
 #include "palpable/bake/solid/contact_points.h"
 
+#include "palpable/common/base/error.h"
 #include "palpable/common/geometry/skin_points.h"
+#include "palpable/common/geometry/surface_mesh.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -11,6 +16,8 @@ namespace palpable {
 using Eigen::Vector3d;
 
 namespace {
+
+constexpr double kMostPoints = 2e6;  // contact points of a body; they take some 1 GB
 
 using Edge = std::pair<int, int>;  // nodes, the smaller first
 
@@ -56,6 +63,40 @@ ContactPoints contact_points(const TetMesh& mesh, const Boundary& boundary, doub
     result.points.push_back(point);
   }
   return result;
+}
+
+double contact_spacing(double wanted, const SurfaceMesh& skin, double radius) {
+  const double spacing =
+      wanted > 0.0 ? wanted : std::min(0.5 * radius, mean_edge_length(skin) / 3.0);
+  double area = 0.0;
+  for (int t = 0; t < skin.triangle_count(); ++t) {
+    const Vector3d a = skin.vertices.col(skin.triangles(0, t));
+    const Vector3d b = skin.vertices.col(skin.triangles(1, t));
+    const Vector3d c = skin.vertices.col(skin.triangles(2, t));
+    area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  const double count = area / (spacing * spacing);
+  if (count > kMostPoints) {
+    throw Error(fmt::format(
+        "contact points every {:.3g} mm would be {:.2g} million on this skin; at most {:.0f} "
+        "million are possible: ask for a larger spacing, {:.2g} mm or more",
+        1e3 * spacing, 1e-6 * count, 1e-6 * kMostPoints, 1e3 * std::sqrt(area / kMostPoints)));
+  }
+  return spacing;
+}
+
+Eigen::VectorXd means_at_points(const ContactPoints& points, const Eigen::VectorXd& of_nodes) {
+  Eigen::VectorXd means(static_cast<Eigen::Index>(points.points.size()));
+  for (Eigen::Index i = 0; i < means.size(); ++i) {
+    const ContactPoint& point = points.points[i];
+    double weighted = 0.0, weights = 0.0;
+    for (int k = 0; k < point.count; ++k) {
+      weighted += std::abs(point.shape[k]) * of_nodes[point.nodes[k]];
+      weights += std::abs(point.shape[k]);
+    }
+    means[i] = weighted / weights;
+  }
+  return means;
 }
 
 Vector3d position_of(const ContactPoint& point, const Eigen::Matrix3Xd& positions) {

@@ -44,6 +44,15 @@ struct ContactPoints {
 [[nodiscard]] ContactPoints contact_points(const TetMesh& mesh, const Boundary& boundary,
                                            double spacing);
 
+/// m, the distance between contact points: `wanted` if that is above 0, otherwise half the smallest
+/// radius (m) of the obstacle, but no more than a third of the skin's mean edge.
+/// @throws Error where it asks for more points than memory holds
+[[nodiscard]] double contact_spacing(double wanted, const SurfaceMesh& skin, double radius);
+
+/// (C) mean of a nodal value over the nodes of each point, weighted by |shape|. @param of_nodes (N)
+[[nodiscard]] Eigen::VectorXd means_at_points(const ContactPoints& points,
+                                              const Eigen::VectorXd& of_nodes);
+
 /// Position of the point, m. @param positions  (3 x N) of the deformed nodes, m
 [[nodiscard]] Eigen::Vector3d position_of(const ContactPoint& point,
                                           const Eigen::Matrix3Xd& positions);
