@@ -61,8 +61,8 @@ constexpr const char* kFirstSteps =
 )";
 
 // The names of `palpable bench` that belong to the offline half.
-constexpr std::array<std::string_view, 10> kBakeBenches{
-    "beam",     "bodies",   "campaign", "clip",  "elements",
+constexpr std::array<std::string_view, 11> kBakeBenches{
+    "beam",     "bodies",   "campaign", "clip",  "dynamics", "elements",
     "friction", "obstacle", "reduce",   "solid", "touch"};
 
 /// Replaces this process by another program of the project with the same arguments. Returns

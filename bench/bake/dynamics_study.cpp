@@ -2,6 +2,8 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/contact/capsule_obstacles.h"
+#include "palpable/common/response/touch_solver.h"
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
@@ -9,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <numeric>
 
 namespace palpable {
 namespace {
@@ -184,6 +188,30 @@ std::vector<Vector3d> hit_in_full(ImplicitDynamics& dynamics, const Hit& hit, do
   return forces;
 }
 
+std::vector<Vector3d> hit_live(const TouchableBody& body, const Hit& hit, double frame,
+                               int frames) {
+  TouchSolver solver(body.body.surface, body.body.fixed, *body.touch, {.friction = 0.0});
+  TouchState state;
+  CapsuleObstacles obstacles;
+  std::vector<Capsule> before;
+  std::vector<Vector3d> forces;
+  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  for (int n = 0; n <= frames; ++n) {
+    const std::vector<Capsule> now = obstacle_of(hit, n * frame).capsules;
+    std::vector<int> become(before.size());
+    std::iota(become.begin(), become.end(), 0);
+    obstacles.set(now);
+    obstacles.set_friction(std::vector<float>(now.size(), kFrictionOfBody), before, become);
+    solver.advance(state, obstacles, kNoLimit, n > 0 ? frame : 0.0);
+    before = now;
+    if (n == 0) continue;
+    Vector3d sum = Vector3d::Zero();
+    for (const PointForce& at : state.forces) sum += at.force.cast<double>();
+    forces.push_back(sum);
+  }
+  return forces;
+}
+
 std::vector<Vector3d> means_of_groups(const std::vector<Vector3d>& forces, int count) {
   PALPABLE_EXPECT(count >= 1, "a group has a sample");
   std::vector<Vector3d> means;
@@ -200,6 +228,16 @@ double peak_of(const std::vector<Vector3d>& forces) {
   double largest = 0;
   for (const Vector3d& force : forces) largest = std::max(largest, force.norm());
   return largest;
+}
+
+double difference_of(const std::vector<Vector3d>& forces, const std::vector<Vector3d>& truth) {
+  PALPABLE_EXPECT(forces.size() == truth.size(), "forces at the same times");
+  double apart = 0, all = 0;
+  for (std::size_t n = 0; n < truth.size(); ++n) {
+    apart += (forces[n] - truth[n]).squaredNorm();
+    all += truth[n].squaredNorm();
+  }
+  return all > 0 ? std::sqrt(apart / all) : 0.0;
 }
 
 }  // namespace palpable

@@ -10,6 +10,7 @@
 #include "palpable/bake/solid/implicit_dynamics.h"
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/bake/touch_bake/touch_scenes.h"
+#include "palpable/common/response/touchable_body.h"
 #include "palpable/common/response/vibration_table.h"
 
 #include <Eigen/Core>
@@ -100,6 +101,12 @@ struct Hit {
 [[nodiscard]] std::vector<Eigen::Vector3d> hit_in_full(ImplicitDynamics& dynamics, const Hit& hit,
                                                        double spacing, int samples);
 
+/// (frames) N, the force of the thing by the live half, which is called at the ends of frames.
+/// @param body   with tables that have vibration modes
+/// @param frame  s
+[[nodiscard]] std::vector<Eigen::Vector3d> hit_live(const TouchableBody& body, const Hit& hit,
+                                                    double frame, int frames);
+
 /// N, the mean of each group of `count` samples that follow each other; what is left over at the
 /// end is dropped. Contact makes the force jump from step to step.
 [[nodiscard]] std::vector<Eigen::Vector3d> means_of_groups(
@@ -107,5 +114,9 @@ struct Hit {
 
 /// N, the largest size of a force; 0 of none.
 [[nodiscard]] double peak_of(const std::vector<Eigen::Vector3d>& forces);
+
+/// The relative L2 difference of forces over time. @pre equally many
+[[nodiscard]] double difference_of(const std::vector<Eigen::Vector3d>& forces,
+                                   const std::vector<Eigen::Vector3d>& truth);
 
 }  // namespace palpable
