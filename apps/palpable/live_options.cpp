@@ -158,11 +158,12 @@ void add_contact_options(Command command, LiveOptions& options) {
             options.run.dynamics = words.front() == "on";
             return {};
           },
-          "Whether bodies have inertia, so that what is let go rings: on, where the body file has "
-          "vibration modes (the description gave a density), or off")
+          "Whether bodies whose files have vibration modes (the description gave a density) have "
+          "inertia, so that what is let go rings. With a camera they tremble, as the motion that "
+          "it measures does")
       .type_name("on|off")
       .words(1, 1)
-      .default_is("on");
+      .default_is("on without a camera, off with one");
   command.add_flag("--press-static", options.run.press_static,
                    "Let also that press the body which is there from the first frame on, its desk "
                    "too. Without it only what comes later presses; a scene.toml may ask for it");

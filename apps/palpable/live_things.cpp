@@ -148,7 +148,7 @@ ThingsSetUp set_up_things(const LiveOptions& options) {
   setup.source = options.input.source;
   setup.scene = options.scene;
   setup.paced = options.paced;
-  setup.dynamics = options.run.dynamics;
+  setup.dynamics = options.run.dynamics.value_or(true);
   const Rigid3 world_from_scene =
       options.place.empty() ? Rigid3::Identity() : world_from_body_of(options.place);
   const std::vector<Rigid3> scene_from_body = scene_from_bodies(setup.bodies);

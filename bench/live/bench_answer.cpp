@@ -197,7 +197,7 @@ AnswerTimes answers_of(const TouchableBody& body, const std::vector<RecordedPres
       ms[who] = all[who]->answer(pressers, now.passed);
     }
     ++turn;
-    if (!without.is_pressed() && !with.is_pressed()) continue;
+    if (!without.is_pressed() && !with.is_pressed() && !moving.is_pressed()) continue;
     times.without.push_back(ms[0]);
     times.with.push_back(ms[1]);
     times.moving.push_back(ms[2]);

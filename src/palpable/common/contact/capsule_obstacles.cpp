@@ -103,6 +103,7 @@ const Obstacles* CapsuleObstacles::on_the_way(float done) const {
 }
 
 float CapsuleObstacles::largest_way() const {
+  if (fields_.empty()) return 0;
   if (friction_.empty()) return Obstacles::largest_way();
   double largest = 0;
   for (std::size_t k = 0; k < capsules_.size(); ++k) {

@@ -49,6 +49,9 @@ constexpr float kSharpest = 0.001f;  // m, the smallest radius that is looked af
 // Ratio to ContactLimits::band: with less than 1 no point that was farther away can be inside.
 constexpr double kSearchAgain = 0.9;
 
+// Steps into which the way of obstacles divides a frame, at most.
+constexpr double kMostOfObstacles = 64;
+
 // s. After a longer pause it is not known how obstacles came.
 constexpr double kLongestTime = 0.125;
 
@@ -109,12 +112,13 @@ void ContactFrame::begin(std::span<const int> members, std::span<const SkinPair>
   pairs_ = pairs;
   report_ = {};
   limits_ = {};
-  limits_.largest_step = limits_.tolerance = limits_.largest_change =
+  limits_.largest_step = limits_.tolerance = limits_.largest_change = least_band_ =
       std::numeric_limits<double>::infinity();
   for (const int k : members) {
     if (part(k).body->contact_points().points.empty()) continue;
     const ContactLimits& one = part(k).body->limits();
     limits_.band = std::max(limits_.band, one.band);
+    least_band_ = std::min(least_band_, one.band);
     limits_.largest_step = std::min(limits_.largest_step, one.largest_step);
     limits_.most_steps = std::max(limits_.most_steps, one.most_steps);
     limits_.iterations = std::max(limits_.iterations, one.iterations);
@@ -652,7 +656,10 @@ void ContactFrame::end_frame(double largest_move) {
       !is_stuck_ && !is_entered_ && report_.last_change <= kUnsettled * limits_.largest_step;
   report_.stuck = is_stuck_;
   // Inertia limits what moves; what obstacles entered by no motion of theirs stays behind them.
-  if (is_timed_) largest_move = std::numeric_limits<double>::infinity();
+  if (is_timed_) {
+    largest_move = std::numeric_limits<double>::infinity();
+    report_.left_to_move = left_behind_;
+  }
   if (!settled) {
     largest_move = std::min(largest_move, kUnsettledSteps * limits_.largest_step);
     report_.left_to_move = report_.last_change;
@@ -869,22 +876,25 @@ bool ContactFrame::is_anything_near() const {
   return std::any_of(members_.begin(), members_.end(), [this](int k) {
     const ContactPart& one = part(k);
     if (!one.body->forces().empty()) return true;
-    if (one.obstacles == nullptr) return false;
+    const Obstacles* given = given_[static_cast<std::size_t>(k)];
+    if (given == nullptr) return false;
     const Eigen::AlignedBox3f box = one.body->bounds();
     const double reach = limits_.band + 2 * one.body->amplitude();
     const float radius = 0.5f * box.diagonal().norm() + static_cast<float>(reach);
-    const auto is_near = [&](const Obstacles* obstacles) {
-      return obstacles != nullptr && obstacles->may_be_within(box.center(), radius);
-    };
-    return is_near(one.obstacles) || is_near(one.obstacles->on_the_way(0));
+    const float way = given->largest_way();
+    return !std::isfinite(way) || given->may_be_within(box.center(), radius + way);
   });
 }
 
 // m that a vertex may be moved by inertia in a time (s).
 double ContactFrame::largest_way(double time) const {
   double fastest = 0;
-  for (const int k : members_) fastest = std::max(fastest, part(k).body->largest_speed());
-  return fastest * time;
+  for (const int k : members_) {
+    // One without inertia gives way as far as it must.
+    if (part(k).body->steps_in(0) == 0) return limits_.band;
+    fastest = std::max(fastest, part(k).body->largest_speed());
+  }
+  return (pairs_.empty() ? 1 : 2) * fastest * time;
 }
 
 void ContactFrame::set_time_step(double h) {
@@ -909,6 +919,23 @@ void ContactFrame::begin_without_way(std::optional<double> time) {
 // A frame in which time passes. First what obstacles are inside when it begins is corrected: that
 // is not motion but a new measurement, which gives no velocity. Then obstacles come on their ways
 // in as many equal steps as the fastest mode needs.
+// Whether obstacles, where they were when the frame began, are elsewhere than the forces hold the
+// skin: deeper, or farther away. @pre contacts were searched; obstacles are where they were
+bool ContactFrame::is_off_at_begin() const {
+  const auto tolerance = static_cast<float>(limits_.tolerance);
+  return std::any_of(search_.contacts().begin(), search_.contacts().end(), [&](const Contact& c) {
+    if (c.by >= 0) return false;
+    const ContactPart& one = part(c.body);
+    const SurfaceGap gap = gap_at(*one.obstacles, one.body->shape_at(c.point));
+    const PointForce* at = force_at(one, c.point, c.by);
+    const float pressing = at != nullptr ? std::max(0.0f, at->force.dot(gap.normal)) : 0.0f;
+    if (!(pressing > 0)) return gap.distance < -tolerance;
+    const auto compliance =
+        static_cast<float>(one.body->skin_compliance(c.area, gap.softness, false));
+    return !(std::abs(gap.distance + compliance * pressing) < tolerance);
+  });
+}
+
 void ContactFrame::run_in_time(double largest_move, double time) {
   double way_of_obstacles = 0;
   for (const int k : members_) {
@@ -916,24 +943,28 @@ void ContactFrame::run_in_time(double largest_move, double time) {
     way_of_obstacles =
         std::max(way_of_obstacles, static_cast<double>(part(k).obstacles->largest_way()));
   }
+  move_obstacles(0);
+  search_.find(0);
   const double unsolved = unsolved_before();
   const double within_limit = std::min(unsolved, largest_move);
-  const int corrections = static_cast<int>(
+  int corrections = static_cast<int>(
       std::ceil(std::min(within_limit / limits_.largest_step, 1.0 * limits_.most_steps)));
-  const double left = std::max(0.0, unsolved - corrections * limits_.largest_step);
+  if (corrections == 0 && is_off_at_begin()) corrections = 1;
+  left_behind_ = std::max(0.0, unsolved - corrections * limits_.largest_step);
   shift_before_ = unsolved;
   // Shapes are formed, and contacts searched in them, where a point may have come through the band
   // in which they were searched.
   double gone = std::numeric_limits<double>::infinity();
-  const auto run = [&](double shift, double way, bool forms, bool last) {
+  bool is_fresh = true;
+  const auto run = [&](double shift, double way, bool last) {
     move_obstacles(done_);
-    const bool anew = last || gone + way > kSearchAgain * limits_.band;
-    if (anew) gone = 0;
-    gone += way;
-    run_step(anew ? Search::kAnew : Search::kGoesOn, shift, last);
-    if (!last && (forms || gone + way > kSearchAgain * limits_.band)) {
+    const bool anew = last || gone + way > kSearchAgain * least_band_;
+    if (anew && !is_fresh) {
       for (const int k : members_) part(k).body->form_shape(false);
     }
+    gone = anew ? way : gone + way;
+    is_fresh = false;
+    run_step(anew ? Search::kAnew : Search::kGoesOn, shift, last);
     end_step(shift, last);
     done_before_ = done_;
     shift_before_ = shift;
@@ -941,21 +972,27 @@ void ContactFrame::run_in_time(double largest_move, double time) {
   done_ = 0;
   set_time_step(0);
   for (int step = 1; step <= corrections; ++step) {
-    run(std::max(left, unsolved - step * limits_.largest_step), limits_.band, true, false);
+    run(std::max(left_behind_, unsolved - step * limits_.largest_step), limits_.band, false);
   }
-  const int steps = is_anything_near() ? steps_in(time) : 1;
+  int steps = 1;
+  if (is_anything_near()) {
+    const double of_obstacles =
+        std::isfinite(way_of_obstacles) ? std::ceil(way_of_obstacles / limits_.largest_step) : 1.0;
+    steps = std::max(steps_in(time), static_cast<int>(std::min(of_obstacles, kMostOfObstacles)));
+  }
   const double h = time / steps;
   set_time_step(h);
   for (int step = 1; step <= steps; ++step) {
     done_ = static_cast<float>(step) / static_cast<float>(steps);
-    run(left, largest_way(h) + way_of_obstacles / steps, step + 1 == steps, step == steps);
+    run(left_behind_, largest_way(h) + way_of_obstacles / steps, step == steps);
   }
 }
 
 ContactReport ContactFrame::solve(std::span<const int> members, std::span<const SkinPair> pairs,
                                   double largest_move, std::optional<double> time) {
   begin(members, pairs);
-  const bool has_inertia = time && steps_in(*time) > 0;
+  const bool has_inertia = time && steps_in(0) > 0;
+  left_behind_ = 0;
   is_timed_ = has_inertia && *time > 0 && *time <= kLongestTime;
   search_.find(0);
   double depth = 0;

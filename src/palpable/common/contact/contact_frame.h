@@ -168,6 +168,7 @@ class ContactFrame {
   [[nodiscard]] int steps_in(double time) const;
   [[nodiscard]] bool is_anything_near() const;
   [[nodiscard]] double largest_way(double time) const;
+  [[nodiscard]] bool is_off_at_begin() const;
   void set_time_step(double h);
   void begin_without_way(std::optional<double> time);
   void run_in_time(double largest_move, double time);
@@ -184,6 +185,8 @@ class ContactFrame {
   bool is_stuck_ = false;    // the last iteration could make no step
   bool is_entered_ = false;  // points that do not take part entered an obstacle
   bool is_timed_ = false;    // bodies have inertia in this frame
+  double left_behind_ = 0;   // m, by which obstacles are kept back in it
+  double least_band_ = 0;    // m, of the members
 
   std::vector<Contact> pressed_;         // contacts that take part in an iteration,
   std::vector<std::size_t> of_pressed_;  // and their indices among all contacts

@@ -149,7 +149,10 @@ void ContactSolver::Work::find_groups() {
     member.is_awake =
         !parts[k].body->is_at_rest() || member.report.left_to_move > 0 || is_obstacle_near(k);
   }
-  const float beside = kBesideBody + std::min(kFastest, static_cast<float>(largest_move));
+  double swing = 0;
+  for (const ContactPart& part : parts) swing = std::max(swing, part.body->amplitude());
+  const float beside = kBesideBody + std::min(kFastest, static_cast<float>(largest_move)) +
+                       4 * static_cast<float>(swing);  // both to and fro
   for (bool is_new = true; is_new;) {
     is_new = false;
     for (const SkinPair& pair : pairs) {

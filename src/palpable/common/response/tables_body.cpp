@@ -106,6 +106,7 @@ struct TablesBody::Work {
   bool is_timed = false;                  // time passes in this frame
   std::optional<FollowedLoads> followed;  // with regions
   double time_step = 0;                   // s
+  bool is_bent_at_once = false;  // after a pause: the nonlinear terms are those of the loads
   VibrationState vibration_at_start;
 
   Work(const SurfaceMesh& surface_mesh, std::span<const std::uint8_t> fixed,
@@ -115,6 +116,7 @@ struct TablesBody::Work {
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
   void weigh(std::span<const PlaceLoad> entries);
   void begin_time_step();
+  void end_followed();
   void fill_field();
   void evaluate_nonlinear(CrossTerms cross);
   void find_displacements(CrossTerms cross);
@@ -256,12 +258,14 @@ int TablesBody::steps_in(double time) const {
 void TablesBody::set_time_step(double h) {
   work_->is_timed = true;
   work_->time_step = h;
+  work_->is_bent_at_once = false;
   work_->inertia->set_step(h);
 }
 
 void TablesBody::ring_on(double time) {
   Work& w = *work_;
   TouchState& state = *w.state;
+  w.is_bent_at_once = true;
   if (!state.vibration.moves) return;
   state.u -= w.inertia->field(state.vibration);
   w.inertia->ring_on(state.vibration, time);
@@ -452,12 +456,25 @@ void TablesBody::Work::fill_field() {
 void TablesBody::Work::begin_time_step() {
   inertia->begin_step(state->vibration, loads);
   if (!is_nonlinear()) return;
+  if (is_bent_at_once) {
+    nonlinear.choose_patches(vertices, weights, state->regions);
+    return;
+  }
   followed->begin_step(*inertia, *cache, state->vibration, loads, weights, state->regions,
                        time_step, nonlinear);
 }
 
+void TablesBody::Work::end_followed() {
+  if (is_bent_at_once) {
+    FollowedLoads::rest(loads, state->vibration);
+  } else {
+    followed->end_step(loads, state->vibration);
+  }
+  if (!state->vibration.moves) state->vibration.followed.clear();
+}
+
 void TablesBody::Work::evaluate_nonlinear(CrossTerms cross) {
-  if (!is_timed) {
+  if (!is_timed || is_bent_at_once) {
     nonlinear.evaluate(loads, cross);
   } else if (!(time_step > 0)) {
     followed->evaluate(loads, cross, nonlinear);
@@ -596,7 +613,7 @@ void TablesBody::keep(bool is_free) {
   state.refinement.weights = w.correcting;
   if (w.is_timed) {
     w.inertia->end_step(state.vibration, is_free);
-    if (w.followed) w.followed->end_step(w.loads, state.vibration);
+    if (w.followed) w.end_followed();
   } else if (w.inertia) {
     w.inertia->rest(state.vibration, w.loads);
     if (w.followed) FollowedLoads::rest(w.loads, state.vibration);

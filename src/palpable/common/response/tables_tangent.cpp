@@ -222,7 +222,10 @@ void TablesTangent::add_compliance(const TablesAt& at, std::span<const UnitForce
   }
   if (at.regions != nullptr) add_modes(at, forces, W, m, q);
   for (const UnitForce& f : forces) mean_ += W[f.row * m + f.row] / count;
-  if (at.inertia != nullptr) add_inertia(at, forces, W, m, q);
+  if (at.inertia != nullptr) {
+    add_inertia(at, forces, W, m, q);
+    mean_ = std::max(mean_, 0.0);  // the tables are rounded
+  }
 }
 
 void TablesTangent::add_tangential(const TablesAt& at, std::span<const UnitForce> forces,

@@ -37,7 +37,6 @@ void LoopCamera::restart(std::span<const palpable_body> bodies) {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     TouchableBody body = *bodies[k].body;
     if (bodies[k].friction) set_friction(body, *bodies[k].friction);
-    if (!bodies[k].dynamics && body.touch) body.touch->vibration.reset();
     placed.push_back({std::move(body), bodies[k].world_from_body, fmt::format("{}", k)});
   }
   auto loop = FrameLoop::make(std::move(placed), setup.format, setup.session);

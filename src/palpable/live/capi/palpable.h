@@ -99,7 +99,7 @@ PALPABLE_API palpable_status palpable_set_friction(palpable_body* body, double c
 
 /** Whether the body has inertia in sessions that are opened later: what is let go rings, and a hit
  * is opposed by mass. Only a body whose file has vibration modes (a density was given when it was
- * baked) can have it, and has it without this call.
+ * baked) can have it, and has it without this call; not in sessions with a camera.
  * @param on  0: the body is always in the static state under its forces */
 PALPABLE_API palpable_status palpable_set_dynamics(palpable_body* body, int32_t on);
 
@@ -229,8 +229,9 @@ typedef struct palpable_thing {
 
 /** Processes one frame of a session with PALPABLE_NO_CAMERA: the skins deform until they no longer
  * penetrate the capsules. Bodies with friction are taken along by things that slide over them, and
- * those with inertia move on by the time since the previous call, an eighth of a second at most:
- * capsules come to them on their ways, and what is let go rings. From
+ * those with inertia move on by the time since the previous call: capsules come to them on their
+ * ways, and what is let go rings. After more than an eighth of a second capsules are where they
+ * are, without a velocity, and what rang has rung on. From
  * call to call a capsule should advance by less than its radius: the skin may slip to the other
  * side of one that jumps farther. PALPABLE_OK says that the call was processed, and
  * palpable_frame::answer whether the skins give way to all capsules.

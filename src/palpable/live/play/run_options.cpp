@@ -113,7 +113,7 @@ SessionSettings session_settings(const RunOptions& options) {
   settings.track = !options.fixed_camera;
   settings.map = true;
   settings.press_static = options.press_static;
-  settings.dynamics = options.dynamics;
+  settings.dynamics = options.dynamics.value_or(false);
   return settings;
 }
 
@@ -126,7 +126,7 @@ void add_run_options(const RunOptions& options, Json& run) {
   run["fixed_camera"] = options.fixed_camera;
   run["press_static"] = options.press_static;
   run["friction"] = options.friction ? Json(*options.friction) : Json();
-  run["dynamics"] = options.dynamics;
+  run["dynamics"] = options.dynamics.value_or(false);
   run["refine"] = options.refine.string();
 }
 

@@ -38,7 +38,8 @@ struct RunOptions {
   bool press_static = false;
   /// Coulomb's coefficient of friction of all skins; none: that of each body file
   std::optional<double> friction;
-  bool dynamics = true;          ///< bodies whose files have vibration modes have inertia
+  /// Bodies whose files have vibration modes have inertia; none: only without a camera.
+  std::optional<bool> dynamics;
   std::filesystem::path refine;  ///< the body's description; empty: no refinement
 };
 

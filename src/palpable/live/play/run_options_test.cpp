@@ -26,7 +26,7 @@ TEST_CASE("a recording returns the options of its run", "[play][recording]") {
   options.fixed_camera = true;
   options.press_static = true;
   options.friction = 0.4;
-  options.dynamics = false;
+  options.dynamics = true;
   options.refine = "bodies/bunny.toml";
   const RunOptions read = through_json(options);
   CHECK(read.contact == "paper");
@@ -41,9 +41,9 @@ TEST_CASE("a recording returns the options of its run", "[play][recording]") {
   CHECK(read.fixed_camera);
   CHECK(read.press_static);
   CHECK(read.friction == 0.4);
-  CHECK_FALSE(read.dynamics);
-  CHECK(through_json({}).dynamics);
-  CHECK_FALSE(through_json({}).friction);  // that of the bodies' files
+  CHECK(read.dynamics == true);
+  CHECK(through_json({}).dynamics == false);  // a recording is of a camera
+  CHECK_FALSE(through_json({}).friction);     // that of the bodies' files
   CHECK(read.refine == "bodies/bunny.toml");
 
   const SessionSettings settings = session_settings(read);
@@ -98,8 +98,8 @@ TEST_CASE("recordings of earlier versions, without some options, are read", "[pl
   CHECK(options.contact == "site");
   CHECK(options.depth.empty());
   CHECK(options.farthest == 0);
-  CHECK(options.friction == 0.0);  // they knew none
-  CHECK_FALSE(options.dynamics);   // nor inertia
+  CHECK(options.friction == 0.0);    // they knew none
+  CHECK(options.dynamics == false);  // nor inertia
   CHECK_FALSE(session_settings(options).depth.full_resolution);
 }
 

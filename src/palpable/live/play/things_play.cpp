@@ -160,8 +160,9 @@ class ThingsPress {
   // s since the line before; nothing without inertia.
   std::optional<double> passed(double time) {
     const double passed = before_ ? std::max(0.0, time - *before_) : 0.0;
+    const bool stands = before_ && passed == 0;  // as where a client has left: nothing rings on
     before_ = time;
-    return dynamics_ ? std::optional(passed) : std::nullopt;
+    return dynamics_ && !stands ? std::optional(passed) : std::nullopt;
   }
 
   std::vector<Rigid3> poses_;  // world_from_body

@@ -32,7 +32,7 @@ namespace palpable {
 /// How touches are found, for each contact law.
 struct ResponseSettings {
   ContactKind contact = ContactKind::kAnywhere;
-  bool dynamics = true;  ///< SessionSettings::dynamics
+  bool dynamics = false;  ///< SessionSettings::dynamics
   ObjectSurfaceSettings surface{};
   TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of a camera's depth error
   PressSettings press{};

@@ -59,8 +59,9 @@ struct SessionSettings {
   PressingMaskSettings pressing{};
   TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of a camera's depth error
   /// Whether bodies with vibration modes have inertia: what is let go rings. False: they are always
-  /// in the static state under the forces of the frame.
-  bool dynamics = true;
+  /// in the static state under the forces of the frame. The motion that a camera measures trembles,
+  /// and so does a body that it hits.
+  bool dynamics = false;
   PressSettings press{};
   PaperSettings paper{};
 };

@@ -86,10 +86,10 @@ TEST_CASE("with the setting kSite the tables are not used", "[session]") {
 
 TEST_CASE("a body with inertia rings when it is let go, without it is at rest at once",
           "[session]") {
-  SessionSettings still = kEverythingPresses;
-  still.dynamics = false;
-  FrameLoop moving = touchable_sphere_loop(kEverythingPresses, true),
-            resting = touchable_sphere_loop(still, true);
+  SessionSettings inert = kEverythingPresses;
+  inert.dynamics = true;
+  FrameLoop moving = touchable_sphere_loop(inert, true),
+            resting = touchable_sphere_loop(kEverythingPresses, true);
   const Eigen::Matrix3Xf rest = moving.session.body().model().surface.vertices.cast<float>();
   for (int n = 0; n < 8; ++n) {
     const Frame frame = frame_with_finger(n, 0.001 * n);
