@@ -115,14 +115,23 @@ TEST_CASE("a column that is plucked a little rings in full as in its modes", "[b
   REQUIRE(pull.reached);
   const VibrationModes modes = vibration_modes(column.skin.body(), 1070, {.least = 20, .below = 0});
   const double h = 2 * kPi / modes.omega[0] / 80;
-  ImplicitDynamics dynamics(column.model, 1070, {modes.omega, modes.shapes, 0.075},
-                            {.time_step = h});
-  const FullRing full = ring_in_full(dynamics, column.skin, column.place, pull.state.displacement,
-                                     h, kComparedCrossings, 10);
+  const auto ring_with = [&](double time_step) {
+    ImplicitDynamics dynamics(column.model, 1070, {modes.omega, modes.shapes, 0.075},
+                              {.time_step = time_step});
+    return ring_in_full(dynamics, column.skin, column.place, pull.state.displacement, time_step,
+                        kComparedCrossings, 10);
+  };
+  const FullRing full = ring_with(h), half = ring_with(h / 2), quarter = ring_with(h / 4);
+  INFO("balance errors " << full.balance_error / full.energy << " "
+                         << half.balance_error / half.energy << " "
+                         << quarter.balance_error / quarter.energy);
   CHECK(full.ring.motion.front() == Approx(1e-4).epsilon(tolerance(1e-5, "find_load()'s 1e-6")));
   CHECK(full.energy == Approx(0.5 * pull.load * 1e-4).epsilon(tolerance(0.01, "nearly linear")));
   CHECK(full.energy_rise / full.energy <= tolerance(1e-6, "the solves"));
-  CHECK(full.balance_error / full.energy <= tolerance(5e-3, "of second order in the step"));
+  CHECK(full.balance_error / full.energy <=
+        tolerance(0.02, "a point load that goes starts motion that these steps do not follow"));
+  CHECK(half.balance_error < 0.5 * full.balance_error);
+  CHECK(quarter.balance_error < 0.5 * half.balance_error);
   CHECK(zero_crossings(full.ring).size() == kComparedCrossings);
   const Ring predicted = ring_of_modes(column.table, column.place, pull.load, h, 2 * full.steps);
   const RingDifference difference = ring_difference(predicted, full.ring);
@@ -173,7 +182,10 @@ TEST_CASE("a ball that comes slowly is borne as at rest, a fast one meets the ma
   CHECK(slow.back().norm() == Approx(at_rest).epsilon(tolerance(1e-3, "gaps, and what rings")));
   CHECK(fast.back().norm() == Approx(at_rest).epsilon(tolerance(1e-2, "what rings")));
   CHECK(peak_of(slow) == Approx(at_rest).epsilon(tolerance(0.05, "a tenth of the mass' force")));
-  CHECK(peak_of(fast) > 1.2 * at_rest);
+  // The force of the mass rises with the square of the speed or, while waves carry it away, with
+  // the speed: at least some ten times from a fiftieth.
+  CHECK(peak_of(fast) - at_rest > 10 * (peak_of(slow) - at_rest));
+  CHECK(peak_of(fast) > 1.05 * at_rest);
 }
 
 }  // namespace
