@@ -358,6 +358,7 @@ TEST_CASE("a bar that is struck at its end pushes back with rho c A V", "[solid]
     dynamics.step(nothing);
     const double push = dynamics.contact_force()[0];
     CHECK(push >= 0);
+    if (n == 0) CHECK(push > 0);  // the pose is that of the end of the step
     impulse += push * h;
     work += push * kSpeed * h;
     if (n >= 40 && n < 140) first += push / 100;
@@ -405,6 +406,11 @@ TEST_CASE("an obstacle that stays is borne as in a static contact", "[solid][dyn
   CHECK(dynamics.contact_force().norm() == 0);
   CHECK(dynamics.displacement().norm() / walk.now().displacement.norm() <=
         tolerance(1e-5, "exp(-0.7 40)"));
+  // A new start knows no obstacle.
+  dynamics.set_obstacle([&](double) { return pressing(kDepth); }, {.spacing = 0.003});
+  dynamics.start(nothing, nothing);
+  dynamics.step(nothing);
+  CHECK(dynamics.touching() == 0);
 }
 
 TEST_CASE("a state that is inverted is refused, and so are settings without meaning",
