@@ -34,8 +34,8 @@ FollowedLoads::FollowedLoads(int vertices, int most_vertices)
 void FollowedLoads::begin_step(const Inertia& inertia, const ComplianceCache& cache,
                                const VibrationState& state, std::span<const VertexForce> loads,
                                std::span<const float> weights, std::span<const int> regions,
-                               double time, NonlinearResponse& nonlinear) {
-  time_ = time;
+                               NonlinearResponse& nonlinear) {
+  time_ = inertia.step();
   for (const FollowedLoad& one : followed_) number_[static_cast<std::size_t>(one.vertex)] = -1;
   followed_.clear();
   vertices_.clear();

@@ -8,7 +8,7 @@
 /// finger that bends an ear would set it trembling, more with each step. Here they are evaluated
 /// under loads f' that follow those of the steps, f, and are fixed within a step:
 ///
-///     tau f'' = f - f',      tau = (2 pi / omega_1) c / G
+///     tau df'/dt = f - f',      tau = (2 pi / omega_1) c / G
 ///
 /// with omega_1 the lowest frequency, G the static compliance at the load's vertex (trace) and c
 /// the part of the vibration modes in it: a dent is followed within some ms, the bending of a
@@ -38,14 +38,14 @@ class FollowedLoads {
   void make_room(VibrationState& state) const { state.followed.reserve(followed_.capacity()); }
 
   /// A step begins: chooses the patches of load and evaluates the nonlinear terms.
+  /// @param inertia  after its begin_step()
   /// @param cache    with the step's vertices
   /// @param loads    of the step's vertices when it begins
   /// @param weights  as many, of NonlinearResponse::choose_patches()
   /// @param regions  of the last frame's patches
-  /// @param time     s, of the step
   void begin_step(const Inertia& inertia, const ComplianceCache& cache, const VibrationState& state,
                   std::span<const VertexForce> loads, std::span<const float> weights,
-                  std::span<const int> regions, double time, NonlinearResponse& nonlinear);
+                  std::span<const int> regions, NonlinearResponse& nonlinear);
   /// Evaluates the nonlinear terms under other loads, which a step without time needs.
   void evaluate(std::span<const VertexForce> loads, CrossTerms cross, NonlinearResponse& nonlinear);
   /// The step ends under these loads. Another one may follow with the same vertices, without

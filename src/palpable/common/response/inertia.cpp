@@ -12,7 +12,6 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3f;
 
-constexpr double kPi = 3.14159265358979323846;
 // Steps in the shortest period. With eight the force of a touch that moves at 0.2 m/s is off by
 // some 3 %, with one in a frame by 18 % (seven modes of 5 to 58 Hz).
 constexpr double kStepsInPeriod = 8;
@@ -55,7 +54,7 @@ Inertia::Inertia(const VibrationTable& table, int nodes)
     }
     largest_.push_back(largest);
   }
-  for (auto* list : {&q_, &velocity_, &began_}) { list->resize(omega_.size()); }
+  for (auto* list : {&q_, &velocity_, &began_}) list->resize(omega_.size());
   step_.resize(omega_.size());
   for (auto* list : {&p_, &r_, &d_, &of_state_}) list->resize(width_);
   set_step(0);
@@ -63,7 +62,7 @@ Inertia::Inertia(const VibrationTable& table, int nodes)
 
 int Inertia::steps_in(double time) const {
   if (omega_.empty()) return 1;
-  const double steps = std::ceil(time * kStepsInPeriod * omega_.back() / (2 * kPi));
+  const double steps = std::ceil(time * kStepsInPeriod * omega_.back() / kTurn);
   return std::max(1, static_cast<int>(steps));
 }
 
@@ -127,7 +126,7 @@ double Inertia::static_compliance_at(int vertex) const {
   return sum;
 }
 
-double Inertia::slowest_period() const { return omega_.empty() ? 0 : 2 * kPi / omega_.front(); }
+double Inertia::slowest_period() const { return omega_.empty() ? 0 : kTurn / omega_.front(); }
 
 Vector3f Inertia::displacement_at(int vertex) const {
   Vector3f u;
@@ -206,13 +205,11 @@ void Inertia::end_step(VibrationState& state, bool may_rest) const {
 }
 
 void Inertia::limit_step(VibrationState& state, const VibrationState& began, double share) const {
-  make_room(state, omega_.size());
-  const bool was_new = began.q.empty();
+  const auto mix = [share](double before, double& now) { now = before + share * (now - before); };
   for (std::size_t k = 0; k < omega_.size(); ++k) {
-    const auto mix = [&](double before, double& now) { now = before + share * (now - before); };
-    mix(was_new ? 0 : began.q[k], state.q[k]);
-    mix(was_new ? 0 : began.velocity[k], state.velocity[k]);
-    mix(was_new ? 0 : began.force[k], state.force[k]);
+    mix(began.q[k], state.q[k]);
+    mix(began.velocity[k], state.velocity[k]);
+    mix(began.force[k], state.force[k]);
   }
   state.moves |= began.moves;
 }

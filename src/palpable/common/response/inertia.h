@@ -6,11 +6,11 @@
 ///
 /// with q the modal coordinates, Phi the shapes and Omega the frequencies (vibration_table.h). A
 /// body at rest has r = 0, so that the tables alone answer. In a time step h forces are constant,
-/// and q follows exactly, as a damped oscillator (ω_d^2 = (1 - zeta^2) omega^2):
+/// and q follows exactly, as a damped oscillator (w_d^2 = (1 - zeta^2) omega^2):
 ///
-///     q+  = A q + B q' + alpha p           A  = e^(-zeta omega h) (cos w_d h + zeta omega/w_d sin)
-///     q'+ = -omega^2 B q + B' q' + B p     B  = e^(-zeta omega h) sin(w_d h) / w_d
-///     alpha = (1 - A) / omega^2            B' = e^(-zeta omega h) (cos w_d h - zeta omega/w_d sin)
+///     q+  = A q + B q' + alpha p           A  = e^(-zeta omega h) (cos w_d h + zeta omega/w_d sin
+///     w_d h) q'+ = -omega^2 B q + B' q' + B p     B  = e^(-zeta omega h) sin(w_d h) / w_d alpha =
+///     (1 - A) / omega^2            B' = e^(-zeta omega h) (cos w_d h - zeta omega/w_d sin w_d h)
 ///
 /// Within a step the displacement is therefore linear in the modal forces, and the compliance of
 /// the tables changes by D:
@@ -23,6 +23,7 @@
 ///   W  nodes of the shell, the skin's vertices first     m  modes that are used
 #pragma once
 
+#include "palpable/common/geometry/rigid.h"
 #include "palpable/common/response/compliance.h"
 #include "palpable/common/response/rounded_rows.h"
 #include "palpable/common/response/vibration_table.h"
@@ -55,9 +56,9 @@ struct VibrationState {
 /// Allocates in its constructor.
 class Inertia {
  public:
-  /// Modes of higher frequency, rad/s, are taken as static: a quarter of a period of 125 Hz is the
-  /// step of a haptic device, 1 ms, doubled.
-  static constexpr double kFastest = 2 * 3.14159265358979323846 * 125;
+  /// rad/s, 125 Hz: modes of higher frequency are taken as static. The step of a haptic device, 1
+  /// ms, is an eighth of this period, and a frame of 33 ms gets 33 steps at most.
+  static constexpr double kFastest = kTurn * 125;
 
   /// Whether one of a table's modes is used.
   [[nodiscard]] static bool has_modes(const VibrationTable& table) {
@@ -73,6 +74,7 @@ class Inertia {
 
   /// Sets the duration of the following steps, s, >= 0. @param h  0: no time passes
   void set_step(double h);
+  [[nodiscard]] double step() const { return h_; }
   /// A step begins in a state.
   void begin_step(const VibrationState& state, std::span<const VertexForce> loads);
   /// Computes modal forces and coordinates under loads: p, and r = r0 + D p.
@@ -80,9 +82,10 @@ class Inertia {
 
   /// m, displacement of a vertex by the modes: Phi r.
   [[nodiscard]] Eigen::Vector3f displacement_at(int vertex) const;
-  /// (3 x W) m, the same of the first nodes; the other columns are not valid. Until the next call.
+  /// (3 x W) m, Phi r at the first `nodes` nodes; what the columns after them hold is not defined.
+  /// Valid until field() is called again.
   [[nodiscard]] const Eigen::Matrix3Xf& field(Eigen::Index nodes);
-  /// (3 x W) m, the same in a state. Until the next call.
+  /// (3 x W) m, Phi r of a state between steps. Valid until field() is called again.
   [[nodiscard]] const Eigen::Matrix3Xf& field(const VibrationState& state);
 
   // The tangent: W_ij += y_i . D y_j, with y = Phi^T d of a unit force d.
@@ -108,6 +111,7 @@ class Inertia {
   /// @param may_rest  nothing is near: what moves less than can be seen comes to rest
   void end_step(VibrationState& state, bool may_rest) const;
   /// Reduces the change of a state since it was `began` to a share of it.
+  /// @pre both have passed rest() or end_step()
   void limit_step(VibrationState& state, const VibrationState& began, double share) const;
 
   /// J, of the modes' motion around their static displacement:
@@ -126,7 +130,7 @@ class Inertia {
   double damping_ = 0;           // zeta
   std::size_t width_ = 0;        // m, padded
   RowsOfFloats rows_;            // (3W x width) Phi
-  std::vector<double> largest_;  // (m) 1/sqrt(kg), largest displacement of a skin's vertex in Phi
+  std::vector<double> largest_;  // (m) 1/sqrt(kg), largest displacement of a node in Phi
 
   // The step.
   double h_ = 0;  // s

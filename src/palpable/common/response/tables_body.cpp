@@ -104,9 +104,8 @@ struct TablesBody::Work {
   // Inertia; none without vibration modes.
   std::optional<Inertia> inertia;
   bool is_timed = false;                  // time passes in this frame
+  bool is_bent_at_once = false;           // after a pause: nonlinear terms follow no loads
   std::optional<FollowedLoads> followed;  // with regions
-  double time_step = 0;                   // s
-  bool is_bent_at_once = false;  // after a pause: the nonlinear terms are those of the loads
   VibrationState vibration_at_start;
 
   Work(const SurfaceMesh& surface_mesh, std::span<const std::uint8_t> fixed,
@@ -115,14 +114,16 @@ struct TablesBody::Work {
   void make_room(int most_places, int most_vertices);
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
   void weigh(std::span<const PlaceLoad> entries);
-  void begin_time_step();
-  void end_followed();
+  [[nodiscard]] bool follows_loads() const { return is_timed && !is_bent_at_once; }
+  void choose_patches();
+  void keep_vibration(bool is_free);
   void fill_field();
   void evaluate_nonlinear(CrossTerms cross);
   void find_displacements(CrossTerms cross);
   [[nodiscard]] TablesAt tables_now(Tangent kind) {
+    // In a step with time the nonlinear terms do not depend on the forces.
     const bool by_regions =
-        kind == Tangent::kFull && is_nonlinear() && !(is_timed && time_step > 0);
+        kind == Tangent::kFull && is_nonlinear() && !(is_timed && inertia->step() > 0);
     return {places, *cache, field, by_regions ? &nonlinear : nullptr,
             is_timed ? &*inertia : nullptr};
   }
@@ -131,7 +132,8 @@ struct TablesBody::Work {
     is_surface_old = true;
     bounds.setEmpty();
   }
-  void set_loads(std::span<const Vector3f> forces);
+  template <class ForceOf>
+  void set_loads(const ForceOf& force_of);
   [[nodiscard]] CrossTerms cross_terms() const {
     return is_last && iteration <= kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore;
   }
@@ -257,7 +259,6 @@ int TablesBody::steps_in(double time) const {
 
 void TablesBody::set_time_step(double h) {
   work_->is_timed = true;
-  work_->time_step = h;
   work_->is_bent_at_once = false;
   work_->inertia->set_step(h);
 }
@@ -391,38 +392,25 @@ void TablesBody::begin_step(std::span<const PlaceLoad> loads, bool last) {
   w.cache->bring(w.vertices);
   w.loads.clear();
   for (const int v : w.vertices) w.loads.push_back({v, Vector3f::Zero()});
-  for (std::size_t p = 0; p < w.places.size(); ++p) {
-    Place& place = w.places[p];
+  for (Place& place : w.places) {
     for (std::size_t k = 0; k < place.shares.count; ++k) {
-      const ForceShare& share = place.shares.of[k];
-      place.slots[k] = w.cache->slot_of(share.vertex);
-      w.loads[static_cast<std::size_t>(place.local[k])].force += share.weight * loads[p].force;
+      place.slots[k] = w.cache->slot_of(place.shares.of[k].vertex);
     }
   }
-  if (w.is_nonlinear()) w.weigh(loads);
-  if (w.is_timed) {
-    w.begin_time_step();
-  } else if (w.is_nonlinear()) {
-    w.nonlinear.choose_patches(w.vertices, w.weights, w.state->regions);
+  w.set_loads([&](std::size_t p) { return loads[p].force; });
+  if (w.is_timed) w.inertia->begin_step(w.state->vibration, w.loads);
+  if (w.is_nonlinear()) {
+    w.weigh(loads);
+    w.choose_patches();
   }
   w.find_displacements(CrossTerms::kAnew);
 }
 
 void TablesBody::go_on(std::span<const PlaceLoad> loads) {
   Work& w = *work_;
-  if (!w.is_timed) {
-    begin_step(loads, false);
-    return;
-  }
+  PALPABLE_EXPECT(w.is_timed, "time passes");
   w.iteration = 0;
-  for (VertexForce& load : w.loads) load.force.setZero();
-  for (std::size_t p = 0; p < w.places.size(); ++p) {
-    const Place& place = w.places[p];
-    for (std::size_t k = 0; k < place.shares.count; ++k) {
-      const ForceShare& share = place.shares.of[k];
-      w.loads[static_cast<std::size_t>(place.local[k])].force += share.weight * loads[p].force;
-    }
-  }
+  w.set_loads([&](std::size_t p) { return loads[p].force; });
   w.inertia->begin_step(w.state->vibration, w.loads);
   w.find_displacements(CrossTerms::kAsBefore);
 }
@@ -453,30 +441,37 @@ void TablesBody::Work::fill_field() {
   }
 }
 
-void TablesBody::Work::begin_time_step() {
-  inertia->begin_step(state->vibration, loads);
-  if (!is_nonlinear()) return;
-  if (is_bent_at_once) {
+void TablesBody::Work::choose_patches() {
+  if (follows_loads()) {
+    followed->begin_step(*inertia, *cache, state->vibration, loads, weights, state->regions,
+                         nonlinear);
+  } else {
     nonlinear.choose_patches(vertices, weights, state->regions);
+  }
+}
+
+// Hands what moves to the state.
+void TablesBody::Work::keep_vibration(bool is_free) {
+  VibrationState& vibration = state->vibration;
+  if (is_timed) {
+    inertia->end_step(vibration, is_free);
+  } else {
+    inertia->rest(vibration, loads);
+  }
+  if (!followed) return;
+  if (!follows_loads()) {
+    FollowedLoads::rest(loads, vibration);
     return;
   }
-  followed->begin_step(*inertia, *cache, state->vibration, loads, weights, state->regions,
-                       time_step, nonlinear);
+  followed->end_step(loads, vibration);
+  if (!vibration.moves) vibration.followed.clear();
 }
 
-void TablesBody::Work::end_followed() {
-  if (is_bent_at_once) {
-    FollowedLoads::rest(loads, state->vibration);
-  } else {
-    followed->end_step(loads, state->vibration);
-  }
-  if (!state->vibration.moves) state->vibration.followed.clear();
-}
-
+// In a step with time begin_step() has evaluated them.
 void TablesBody::Work::evaluate_nonlinear(CrossTerms cross) {
-  if (!is_timed || is_bent_at_once) {
+  if (!follows_loads()) {
     nonlinear.evaluate(loads, cross);
-  } else if (!(time_step > 0)) {
+  } else if (!(inertia->step() > 0)) {
     followed->evaluate(loads, cross, nonlinear);
   }
 }
@@ -539,20 +534,22 @@ double TablesBody::skin_compliance(double, float softness, bool is_foot) const {
   return (work_->settings.softness + static_cast<double>(softness)) * work_->tangent.mean();
 }
 
-void TablesBody::Work::set_loads(std::span<const Vector3f> forces) {
+// Sums the forces of the places at their vertices. @param force_of  N, of a place's number
+template <class ForceOf>
+void TablesBody::Work::set_loads(const ForceOf& force_of) {
   for (VertexForce& load : loads) load.force.setZero();
   for (std::size_t p = 0; p < places.size(); ++p) {
     const Place& place = places[p];
     for (std::size_t k = 0; k < place.shares.count; ++k) {
       loads[static_cast<std::size_t>(place.local[k])].force +=
-          place.shares.of[k].weight * forces[p];
+          place.shares.of[k].weight * force_of(p);
     }
   }
 }
 
 double TablesBody::move(std::span<const Vector3f> forces, double) {
   Work& w = *work_;
-  w.set_loads(forces);
+  w.set_loads([&](std::size_t p) { return forces[p]; });
   w.find_displacements(w.cross_terms());
   const auto n = static_cast<Eigen::Index>(w.vertices.size());
   if (n == 0) return 0;
@@ -611,13 +608,7 @@ void TablesBody::keep(bool is_free) {
   TouchState& state = *w.state;
   state.regions.assign(w.nonlinear.regions().begin(), w.nonlinear.regions().end());
   state.refinement.weights = w.correcting;
-  if (w.is_timed) {
-    w.inertia->end_step(state.vibration, is_free);
-    if (w.followed) w.end_followed();
-  } else if (w.inertia) {
-    w.inertia->rest(state.vibration, w.loads);
-    if (w.followed) FollowedLoads::rest(w.loads, state.vibration);
-  }
+  if (w.inertia) w.keep_vibration(is_free);
   if (w.is_formed) state.u.swap(w.formed);
   w.shape = &state.u;
   w.is_formed = false;
