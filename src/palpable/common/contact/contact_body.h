@@ -130,8 +130,8 @@ class ContactBody {
 
   // --- time
 
-  /// Number of equal steps into which a body with inertia needs a time (s) to be divided, >= 1; 0:
-  /// it has no inertia.
+  /// Number of equal steps into which a time (s) must be divided for a body with inertia, >= 1; 0:
+  /// it has none.
   [[nodiscard]] virtual int steps_in(double time) const { return static_cast<void>(time), 0; }
   /// From now on time passes: this much (s) in each step that begins. 0: none; the step corrects
   /// the state, and what moves keeps its velocity. @pre steps_in() is not 0
@@ -180,7 +180,7 @@ class ContactBody {
   virtual void begin_step(std::span<const PlaceLoad> loads, bool last) = 0;
 
   /// A further step with the same places, soon after the one before: what changes slowly may stay.
-  /// @param loads  (P)
+  /// Only where all bodies that are solved together have inertia. @param loads  (P)
   virtual void go_on(std::span<const PlaceLoad> loads) { begin_step(loads, false); }
 
   /// m, present position of a place.

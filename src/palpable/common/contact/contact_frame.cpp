@@ -605,7 +605,7 @@ void ContactFrame::run_last_step(double shift, int most) {
     // With other bodies each search may change many contacts, so it gets iterations of its own.
     if (!pairs_.empty()) most = report_.iterations + limits_.last_iterations;
     settle(shift, true, goes_on, most - report_.iterations);
-    for (const int k : members_) part(k).body->form_shape(true);
+    form_shapes(true);
     const bool may_go_on = round + 1 < kRounds && (report_.iterations < most || !pairs_.empty());
     const bool slid = may_go_on && search_.find_feet_again();
     const bool entered = search_.add_entered(shift);
@@ -619,6 +619,10 @@ void ContactFrame::run_last_step(double shift, int most) {
     // entered an obstacle has moved too far, so it starts again from the state.
     goes_on = !entered;
   }
+}
+
+void ContactFrame::form_shapes(bool all) {
+  for (const int k : members_) part(k).body->form_shape(all);
 }
 
 // Hands forces and displacements to the states of the bodies.
@@ -647,6 +651,8 @@ void ContactFrame::end_step(double shift, bool last) {
                                       [k](const Contact& c) { return c.body == k || c.by == k; });
     part(k).body->keep(is_free);
   }
+  done_before_ = done_;
+  shift_before_ = shift;
 }
 
 // Applies the step limit to each body; the rest of its displacement is left to later frames.
@@ -769,21 +775,24 @@ void ContactFrame::move_obstacles(float done) {
   search_.change_obstacles();
 }
 
+// How far an obstacle is from where the state's force at a contact holds it, as contacts are soft.
+ContactFrame::OffForce ContactFrame::off_force(const Contact& c) const {
+  const ContactPart& one = part(c.body);
+  const SurfaceGap gap = gap_at(*one.obstacles, one.body->shape_at(c.point));
+  const PointForce* at = force_at(one, c.point, c.by);
+  const float pressing = at != nullptr ? std::max(0.0f, at->force.dot(gap.normal)) : 0.0f;
+  const auto compliance =
+      static_cast<float>(one.body->skin_compliance(c.area, gap.softness, false));
+  return {gap.distance + compliance * pressing, pressing > 0};
+}
+
 // m, how much deeper than the forces there hold them obstacles were when the frame began. Of a
-// state that was solved it is 0, as contacts are soft. @pre contacts were searched
+// state that was solved it is 0. @pre contacts were searched
 double ContactFrame::unsolved_before() {
   move_obstacles(0);
   float deepest = 0;
   for (const Contact& c : search_.contacts()) {
-    if (c.by >= 0) continue;
-    const ContactPart& one = part(c.body);
-    const SurfaceGap gap = gap_at(*one.obstacles, one.body->shape_at(c.point));
-    if (!(gap.distance < -deepest)) continue;
-    const PointForce* at = force_at(one, c.point, c.by);
-    const float pressing = at != nullptr ? std::max(0.0f, at->force.dot(gap.normal)) : 0.0f;
-    const auto compliance =
-        static_cast<float>(one.body->skin_compliance(c.area, gap.softness, false));
-    deepest = std::max(deepest, -gap.distance - compliance * pressing);
+    if (c.by < 0) deepest = std::max(deepest, -off_force(c).distance);
   }
   return deepest > static_cast<float>(kReached) ? static_cast<double>(deepest) : 0.0;
 }
@@ -851,12 +860,8 @@ void ContactFrame::run_steps(double depth, double largest_move) {
     if ((rubs_ && is_divided) || (last && (is_divided || shift > 0))) search = Search::kAnew;
     run_step(search, shift, last);
     // Contacts are searched anew in the last step, with friction in each.
-    if (!last && (rubs_ || step + 1 == steps)) {
-      for (const int k : members_) part(k).body->form_shape(false);
-    }
+    if (!last && (rubs_ || step + 1 == steps)) form_shapes(false);
     end_step(shift, last);
-    done_before_ = done_;
-    shift_before_ = shift;
   }
 }
 
@@ -886,8 +891,18 @@ bool ContactFrame::is_anything_near() const {
   });
 }
 
+// m that obstacles come at most in this frame.
+double ContactFrame::largest_way_of_obstacles() const {
+  float largest = 0;
+  for (const int k : members_) {
+    const Obstacles* given = given_[static_cast<std::size_t>(k)];
+    if (given != nullptr) largest = std::max(largest, given->largest_way());
+  }
+  return static_cast<double>(largest);
+}
+
 // m that a vertex may be moved by inertia in a time (s).
-double ContactFrame::largest_way(double time) const {
+double ContactFrame::largest_way_by_inertia(double time) const {
   double fastest = 0;
   for (const int k : members_) {
     // One without inertia gives way as far as it must.
@@ -916,33 +931,22 @@ void ContactFrame::begin_without_way(std::optional<double> time) {
   }
 }
 
-// A frame in which time passes. First what obstacles are inside when it begins is corrected: that
-// is not motion but a new measurement, which gives no velocity. Then obstacles come on their ways
-// in as many equal steps as the fastest mode needs.
 // Whether obstacles, where they were when the frame began, are elsewhere than the forces hold the
 // skin: deeper, or farther away. @pre contacts were searched; obstacles are where they were
 bool ContactFrame::is_off_at_begin() const {
   const auto tolerance = static_cast<float>(limits_.tolerance);
   return std::any_of(search_.contacts().begin(), search_.contacts().end(), [&](const Contact& c) {
     if (c.by >= 0) return false;
-    const ContactPart& one = part(c.body);
-    const SurfaceGap gap = gap_at(*one.obstacles, one.body->shape_at(c.point));
-    const PointForce* at = force_at(one, c.point, c.by);
-    const float pressing = at != nullptr ? std::max(0.0f, at->force.dot(gap.normal)) : 0.0f;
-    if (!(pressing > 0)) return gap.distance < -tolerance;
-    const auto compliance =
-        static_cast<float>(one.body->skin_compliance(c.area, gap.softness, false));
-    return !(std::abs(gap.distance + compliance * pressing) < tolerance);
+    const OffForce off = off_force(c);
+    return off.presses ? !(std::abs(off.distance) < tolerance) : off.distance < -tolerance;
   });
 }
 
+// A frame in which time passes. First what obstacles are inside when it begins is corrected: that
+// is not motion but a new measurement, which gives no velocity. Then obstacles come on their ways
+// in equal steps, as many as the fastest mode and the obstacles' ways need.
 void ContactFrame::run_in_time(double largest_move, double time) {
-  double way_of_obstacles = 0;
-  for (const int k : members_) {
-    if (part(k).obstacles == nullptr) continue;
-    way_of_obstacles =
-        std::max(way_of_obstacles, static_cast<double>(part(k).obstacles->largest_way()));
-  }
+  const double way_of_obstacles = largest_way_of_obstacles();
   move_obstacles(0);
   search_.find(0);
   const double unsolved = unsolved_before();
@@ -959,15 +963,11 @@ void ContactFrame::run_in_time(double largest_move, double time) {
   const auto run = [&](double shift, double way, bool last) {
     move_obstacles(done_);
     const bool anew = last || gone + way > kSearchAgain * least_band_;
-    if (anew && !is_fresh) {
-      for (const int k : members_) part(k).body->form_shape(false);
-    }
+    if (anew && !is_fresh) form_shapes(false);
     gone = anew ? way : gone + way;
     is_fresh = false;
     run_step(anew ? Search::kAnew : Search::kGoesOn, shift, last);
     end_step(shift, last);
-    done_before_ = done_;
-    shift_before_ = shift;
   };
   done_ = 0;
   set_time_step(0);
@@ -984,7 +984,7 @@ void ContactFrame::run_in_time(double largest_move, double time) {
   set_time_step(h);
   for (int step = 1; step <= steps; ++step) {
     done_ = static_cast<float>(step) / static_cast<float>(steps);
-    run(left_behind_, largest_way(h) + way_of_obstacles / steps, step == steps);
+    run(left_behind_, largest_way_by_inertia(h) + way_of_obstacles / steps, step == steps);
   }
 }
 

@@ -145,6 +145,7 @@ class ContactFrame {
   void go_back(float share);
   void fill_place_forces();
   void run_last_step(double shift, int most);
+  void form_shapes(bool all);
   void end_step(double shift, bool last);
   void end_frame(double largest_move);
   void judge();
@@ -159,6 +160,11 @@ class ContactFrame {
   [[nodiscard]] double shift_in(int step, const Division& division) const;
   [[nodiscard]] int rubbing_steps() const;
   void move_obstacles(float done);
+  struct OffForce {
+    float distance = 0;    // m, < 0: deeper than the force holds it
+    bool presses = false;  // there is a force
+  };
+  [[nodiscard]] OffForce off_force(const Contact& contact) const;
   [[nodiscard]] double unsolved_before();
   // Which contacts a step has. kGoesOn: those of the step before, at the same places.
   enum class Search { kAnew, kRemembered, kKept, kGoesOn };
@@ -167,7 +173,8 @@ class ContactFrame {
   void run_steps(double depth, double largest_move);
   [[nodiscard]] int steps_in(double time) const;
   [[nodiscard]] bool is_anything_near() const;
-  [[nodiscard]] double largest_way(double time) const;
+  [[nodiscard]] double largest_way_of_obstacles() const;
+  [[nodiscard]] double largest_way_by_inertia(double time) const;
   [[nodiscard]] bool is_off_at_begin() const;
   void set_time_step(double h);
   void begin_without_way(std::optional<double> time);
