@@ -51,20 +51,13 @@ constexpr double kPassingTolerance = 1e3, kPassingEntry = 10.0;
 // Largest MutualPairs::Detection::shift at which the pairs between bodies count as converged.
 constexpr double kSettled = 1e-4;
 
-// (N) N/m, the mean diagonal stiffness of each node at rest.
-VectorXd node_stiffness(const TetAssembly& assembly) {
+// (N) N/m, of each node at rest.
+VectorXd stiffness_at_rest(const TetAssembly& assembly) {
   BlockMatrix K(assembly.pattern());
   PassFields fields;
-  const int N = assembly.node_count();
-  assembly.set_state(Matrix3Xd::Zero(3, N), fields);
+  assembly.set_state(Matrix3Xd::Zero(3, assembly.node_count()), fields);
   assembly.tangent(fields, K);
-  VectorXd stiffness = VectorXd::Zero(N);
-  for (int m = 0; m < static_cast<int>(assembly.free_nodes().size()); ++m) {
-    stiffness[assembly.free_nodes()[m]] = K.block(K.pattern().find(m, m)).trace() / 3.0;
-  }
-  // Nodes that are held do not move, whatever the penalty.
-  const double mean = stiffness.sum() / static_cast<double>(assembly.free_nodes().size());
-  return (stiffness.array() == 0.0).select(mean, stiffness);
+  return node_stiffnesses(K, assembly.free_nodes(), assembly.node_count());
 }
 
 // The tangent with additional blocks between nodes of different components, which the pattern of
@@ -99,8 +92,8 @@ struct ContactWalk::Work {
   Boundary boundary;
   double edge, size, spacing;
   ContactPoints points;
-  VectorXd node_stiffnesses;  // (N) N/m
-  VectorXd penalties;         // (C) N/m
+  VectorXd stiffnesses;  // (N) N/m, of the nodes
+  VectorXd penalties;    // (C) N/m
   ContactPairs pairs;
   std::optional<MutualPairs> mutual;
 
@@ -140,8 +133,8 @@ struct ContactWalk::Work {
         spacing(
             contact_spacing(settings.spacing, boundary.surface, smallest_radius(motion(begin)))),
         points(contact_points(core.model.mesh, boundary, spacing)),
-        node_stiffnesses(node_stiffness(assembly)),
-        penalties(settings.penalty * means_at_points(points, node_stiffnesses)),
+        stiffnesses(stiffness_at_rest(assembly)),
+        penalties(settings.penalty * means_at_points(points, stiffnesses)),
         pairs(assembly, boundary, points, penalties,
               {settings.friction, settings.sticking_penalty / settings.penalty}),
         factor(&core.at_rest.factor),
@@ -156,8 +149,7 @@ struct ContactWalk::Work {
     }
     if (settings.mutual) {
       mutual.emplace(
-          assembly, core.model.mesh, boundary, points, settings.mutual_penalty * node_stiffnesses,
-          edge,
+          assembly, core.model.mesh, boundary, points, settings.mutual_penalty * stiffnesses, edge,
           Friction{settings.mutual_friction, settings.sticking_penalty / settings.mutual_penalty});
       now.mutual_force.setZero(3, mutual->component_count());
     }

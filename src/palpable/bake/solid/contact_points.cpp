@@ -85,6 +85,17 @@ double contact_spacing(double wanted, const SurfaceMesh& skin, double radius) {
   return spacing;
 }
 
+Eigen::VectorXd node_stiffnesses(const BlockMatrix& K, const std::vector<int>& free_nodes,
+                                 int nodes) {
+  Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(nodes);
+  for (int m = 0; m < K.pattern().rows(); ++m) {
+    stiffness[free_nodes[static_cast<std::size_t>(m)]] =
+        K.block(K.pattern().find(m, m)).trace() / 3.0;
+  }
+  const double mean = stiffness.sum() / static_cast<double>(free_nodes.size());
+  return (stiffness.array() == 0.0).select(mean, stiffness);
+}
+
 Eigen::VectorXd means_at_points(const ContactPoints& points, const Eigen::VectorXd& of_nodes) {
   Eigen::VectorXd means(static_cast<Eigen::Index>(points.points.size()));
   for (Eigen::Index i = 0; i < means.size(); ++i) {

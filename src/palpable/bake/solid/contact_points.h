@@ -13,6 +13,7 @@
 /// measured value of each state.
 #pragma once
 
+#include "palpable/bake/solid/block_matrix.h"
 #include "palpable/common/geometry/tet_mesh.h"
 
 #include <Eigen/Core>
@@ -48,6 +49,12 @@ struct ContactPoints {
 /// radius (m) of the obstacle, but no more than a third of the skin's mean edge.
 /// @throws Error where it asks for more points than memory holds
 [[nodiscard]] double contact_spacing(double wanted, const SurfaceMesh& skin, double radius);
+
+/// (N) N/m, the mean diagonal of a stiffness at each node: what penalties of contact are measured
+/// by. Held nodes, which do not move whatever the penalty, get the mean of the others.
+/// @param free_nodes  the node of each row of K
+[[nodiscard]] Eigen::VectorXd node_stiffnesses(const BlockMatrix& K,
+                                               const std::vector<int>& free_nodes, int nodes);
 
 /// (C) mean of a nodal value over the nodes of each point, weighted by |shape|. @param of_nodes (N)
 [[nodiscard]] Eigen::VectorXd means_at_points(const ContactPoints& points,

@@ -213,15 +213,8 @@ struct ImplicitDynamics::Core {
   }
 
   void set_obstacle(ObstacleMotion motion, const DynamicContact& settings_of_contact) {
-    const BlockMatrix S = effective_stiffness();
-    VectorXd stiffness = VectorXd::Zero(model.mesh.node_count());
-    for (int m = 0; m < S.pattern().rows(); ++m) {
-      stiffness[assembly.free_nodes()[static_cast<std::size_t>(m)]] =
-          S.block(S.pattern().find(m, m)).trace() / 3.0;
-    }
-    // Nodes that are held do not move, whatever the penalty.
-    const double mean = stiffness.sum() / static_cast<double>(S.pattern().rows());
-    stiffness = (stiffness.array() == 0.0).select(mean, stiffness);
+    const VectorXd stiffness =
+        node_stiffnesses(effective_stiffness(), assembly.free_nodes(), model.mesh.node_count());
     contact = std::make_unique<ContactOfMotion>(std::move(motion), settings_of_contact, model.mesh,
                                                 assembly, stiffness, time);
   }
@@ -292,9 +285,9 @@ struct ImplicitDynamics::Core {
                              what, time, settings.time_step));
   }
 
-  // How much a jumps where the forces jump by df. M^-1 df would throw motion that the steps cannot
-  // follow, from which they then gain energy; S^-1 makes little of it, and is the same up to h^2
-  // where the steps follow.
+  // Where the forces jump by df, the acceleration a jumps by of_M S^-1 df, with S the
+  // effective stiffness. M^-1 df would start motion of periods below h, which the steps do not
+  // resolve and from which they gain energy. Where h resolves the motion the two agree to h^2.
   void jump(const VectorXd& df) {
     if (df.norm() <= settings.tolerance * largest_force) return;
     const std::optional<VectorXd> x = solve(u, df, 1e-6, false);
