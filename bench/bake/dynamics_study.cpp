@@ -3,6 +3,7 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/contact/capsule_obstacles.h"
+#include "palpable/common/response/inertia.h"
 #include "palpable/common/response/touch_solver.h"
 
 #include <Eigen/Eigenvalues>
@@ -98,21 +99,20 @@ FullRing ring_in_full(ImplicitDynamics& dynamics, const SkinResponse& skin,
 
 Ring ring_of_modes(const VibrationTable& modes, const PluckedPlace& place, double load,
                    double time_step, int samples) {
-  const VectorXd omega = omega_of(modes);
-  const VectorXd here =
-      modes.shapes.middleCols(3 * Index{place.vertex}, 3).cast<double>() * place.direction;
-  const double zeta = modes.damping(), root = std::sqrt(1 - zeta * zeta);
+  Inertia inertia(modes, static_cast<int>(modes.shapes.cols() / 3));
+  const VertexForce pull{place.vertex, (load * place.direction).cast<float>()};
+  VibrationState state;
+  inertia.rest(state, {&pull, 1});
+  // The force is gone, and the modes are where it held them.
+  std::fill(state.force.begin(), state.force.end(), 0.0);
+  state.moves = true;
+  inertia.set_step(time_step);
   Ring ring{time_step, {}};
   for (int n = 0; n < samples; ++n) {
-    const double t = n * time_step;
-    double u = 0;
-    for (Index i = 0; i < omega.size(); ++i) {
-      const double q = here[i] * load / (omega[i] * omega[i]);
-      const double angle = root * omega[i] * t;
-      u += here[i] * q * std::exp(-zeta * omega[i] * t) *
-           (std::cos(angle) + zeta / root * std::sin(angle));
-    }
-    ring.motion.push_back(u);
+    const Vector3d u = inertia.field(state).col(place.vertex).cast<double>();
+    ring.motion.push_back(place.direction.dot(u));
+    inertia.begin_step(state, {});
+    inertia.end_step(state, false);
   }
   return ring;
 }

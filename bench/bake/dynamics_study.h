@@ -55,9 +55,8 @@ struct FullRing {
                                     const PluckedPlace& place, const Eigen::Matrix3Xd& start,
                                     double time_step, int crossings, double longest);
 
-/// The ring by the live half's equation after a pull of `load` (N): u = sum_i phi_i q_i with
-/// q_i(0) = phi_i . d load / omega_i^2, which then move as damped oscillators do. What the modes do
-/// not hold of the displacement is gone at once.
+/// The ring of the live half (response/inertia.h) after a pull of `load` (N) that is gone at the
+/// time 0. What the modes do not hold of the displacement is gone at once.
 /// @param samples  of the ring
 [[nodiscard]] Ring ring_of_modes(const VibrationTable& modes, const PluckedPlace& place,
                                  double load, double time_step, int samples);
