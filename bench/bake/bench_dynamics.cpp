@@ -281,7 +281,7 @@ void add_bench_dynamics(Command bench) {
       .required();
   command
       .add_option("--plucks", options->plucks_mm,
-                  "mm, how far it is pulled; the bars are those of the first")
+                  "mm, how far it is pulled; the figures at the top are those of the first")
       .show_default();
   command.add_option("--step", options->step_ms, "ms, of the full mesh; twice that is solved too")
       .in_range(0.01, 10.0)
