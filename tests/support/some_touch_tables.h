@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -179,6 +180,24 @@ inline TouchTables yielding_tables(const SurfaceMesh& skin) {
     at += 9 * padded(count);
   }
   return tables;
+}
+
+/// Adds a region that holds all vertices, with arbitrary modes. @param size  sqrt(m/N), of the
+/// modes
+inline void add_region_all_over(TouchTables& tables, float size) {
+  constexpr int kModes = 16, kLeading = 5, kFarShapes = 32;
+  std::mt19937 random(7);
+  RegionTable region;
+  const int V = tables.compliance.vertices;
+  region.vertices.resize(static_cast<std::size_t>(V));
+  std::iota(region.vertices.begin(), region.vertices.end(), 0);
+  region.modes = some_tables::rows(random, 3 * V, kModes, size);
+  region.far_shapes = some_tables::rows(random, 0, kFarShapes, 0.02f);
+  region.far_shares = some_tables::rows(random, kFarShapes, kModes, 0.2f);
+  region.cubic = some_tables::form(random, kModes, 3);
+  region.quartic = some_tables::form(random, kLeading, 4);
+  tables.regions.push_back(std::move(region));
+  tables.region_reach = 0.1;
 }
 
 /// Three modes, in each of which all nodes move alike along an axis, at 10 Hz. They are modes of a

@@ -5,6 +5,7 @@
 #include "tests/support/allocations.h"
 #include "tests/support/ringing_sheet.h"
 #include "tests/support/rubbing.h"
+#include "tests/support/some_touch_tables.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Core>
@@ -233,6 +234,71 @@ TEST_CASE("after a pause a body has rung on, and what presses it is where it is"
   CHECK((hit.state.u - still.state.u).norm() < tolerance(1e-3f, "softness") * still.state.u.norm());
 }
 
+// A sheet with inertia and nonlinear terms, which a ball presses.
+struct BentSheet {
+  explicit BentSheet(bool is_nonlinear = true) {
+    if (is_nonlinear) test::add_region_all_over(body.tables, 0.2f);
+    solver.emplace(body.skin, body.fixed, body.tables, settings_with(0));
+  }
+  void advance(double depth, std::optional<double> time) {
+    const Vector3d centre(0.0003, 0.0002, kRadius - depth);
+    solver->advance(state, rubbing.at({{centre, centre, kRadius, kRadius}}), 1e9, time);
+  }
+
+  RingingSheet body{0.3};
+  std::optional<TouchSolver> solver;
+  TouchState state;
+  Rubbing rubbing;
+};
+
+// m
+double apart(const BentSheet& a, const BentSheet& b) {
+  return static_cast<double>((a.state.u - b.state.u).colwise().norm().maxCoeff());
+}
+
+TEST_CASE("nonlinear terms of a body with inertia end as those of the static one", "[contact]") {
+  constexpr double kDepth = 0.004, kFrame = 1.0 / 60;
+  BentSheet moving, still, linear(false);
+  still.advance(kDepth, std::nullopt);
+  linear.advance(kDepth, std::nullopt);
+  REQUIRE(apart(still, linear) > 0.01 * kDepth);  // else nothing is shown by what follows
+  moving.advance(0, 0.0);
+  for (int k = 0; k < 1200; ++k) moving.advance(std::min(kDepth, 1e-4 * k), kFrame);
+  CHECK(apart(moving, still) < tolerance(1e-3, "softness, contact points at their edge") * kDepth);
+  // Let go, it is at rest in the end, to the bit.
+  for (int k = 0; k < 1200; ++k) moving.advance(-0.05, kFrame);
+  CHECK(moving.state.u.isZero(0));
+  CHECK(moving.state.vibration.followed.empty());
+}
+
+TEST_CASE("after a pause nonlinear terms are those of the present loads", "[contact]") {
+  BentSheet moving, still;
+  moving.advance(0, 0.0);
+  for (int k = 0; k < 30; ++k) moving.advance(1e-4 * k, 1.0 / 60);
+  moving.advance(-0.05, 100.0);
+  CHECK(moving.state.u.norm() < tolerance(1e-9f, "m: what rings after 100 s"));
+  moving.advance(0.003, 100.0);
+  still.advance(0.003, std::nullopt);
+  CHECK(apart(moving, still) < tolerance(1e-3, "softness") * 0.003);
+}
+
+TEST_CASE("frames with inertia and nonlinear terms allocate nothing", "[contact]") {
+  BentSheet sheet;
+  for (int k = 0; k < 3; ++k) sheet.advance(0.001 * k, 0.033);
+  const Vector3d centre(0.0003, 0.0002, kRadius - 0.003);
+  const CapsuleObstacles& there = sheet.rubbing.at({{centre, centre, kRadius, kRadius}});
+  CHECK(test::allocations_during([&] { sheet.solver->advance(sheet.state, there, 1e9, 0.033); }) ==
+        0);
+}
+
+TEST_CASE("what comes fast from outside the body's box hits it in short steps", "[contact]") {
+  Hit hit;
+  hit.advance({0, 0, 0.03}, 0.033);  // farther away than the band
+  hit.advance({0, 0, -0.003}, 0.033);
+  CHECK(hit.report.steps >= static_cast<int>(0.033 / TouchSettings().largest_step));
+  CHECK(hit.force().z() < 0);
+}
+
 TEST_CASE("what enters by no motion gives no velocity", "[contact]") {
   Hit hit(0.0);
   hit.advance({0, 0, 0.001}, 0.033);
@@ -241,6 +307,24 @@ TEST_CASE("what enters by no motion gives no velocity", "[contact]") {
   hit.advance({0, 0, -0.003}, 0.033);
   CHECK(hit.force().z() < 0);
   CHECK(hit.report.ringing < tolerance(1e-4, "of the static energy") * hit.energy());
+}
+
+TEST_CASE("a small jump of what presses gives no velocity either, inwards and outwards",
+          "[contact]") {
+  for (const double jump : {-2e-4, 2e-4}) {
+    Hit hit(0.0);
+    hit.advance({0, 0, -0.003}, 0.0);
+    REQUIRE(hit.report.ringing == 0);
+    hit.let_go(0.0);  // its place before is forgotten, as where a measurement corrects it
+    hit.advance({0, 0, -0.003}, 0.0);
+    const double at_rest = hit.energy();
+    // The same ball, 0.2 mm elsewhere, of which no motion is known.
+    Rubbing unknown;
+    const Vector3d centre(0, 0, kRadius - 0.003 + jump);
+    const TouchReport report =
+        hit.solver.advance(hit.state, unknown.at({{centre, centre, kRadius, kRadius}}), 1e9, 0.033);
+    CHECK(report.ringing < tolerance(1e-4, "of the static energy") * at_rest);
+  }
 }
 
 TEST_CASE("frames with inertia allocate nothing and are pure", "[contact]") {

@@ -343,29 +343,12 @@ TEST_CASE("points with an anchor stay contacts where the curvature is uncertain"
   CHECK(sharp_rubbing == flat_rubbing);
 }
 
-// A region all over the cushion with a few modes, weak enough to change little.
-void add_region(TouchTables& tables) {
-  constexpr int kModes = 16, kLeading = 5, kFarShapes = 32;
-  std::mt19937 random(7);
-  RegionTable region;
-  const int V = tables.compliance.vertices;
-  region.vertices.resize(static_cast<std::size_t>(V));
-  std::iota(region.vertices.begin(), region.vertices.end(), 0);
-  region.modes = test::some_tables::rows(random, 3 * V, kModes, 1e-3f);
-  region.far_shapes = test::some_tables::rows(random, 0, kFarShapes, 0.02f);
-  region.far_shares = test::some_tables::rows(random, kFarShapes, kModes, 0.2f);
-  region.cubic = test::some_tables::form(random, kModes, 3);
-  region.quartic = test::some_tables::form(random, kLeading, 4);
-  tables.regions.push_back(std::move(region));
-  tables.region_reach = 0.1;
-}
-
 TEST_CASE("a body with a coefficient has its room before something rubs it",
           "[contact][friction]") {
   for (const bool has_region : {false, true}) {
     INFO("with a region: " << has_region);
     ElasticCushion cushion;
-    if (has_region) add_region(cushion.tables);
+    if (has_region) test::add_region_all_over(cushion.tables, 1e-3f);
     TouchSolver solver(cushion.skin, cushion.fixed, cushion.tables, with_friction(0.5));
     TouchState state;
     Rubbing slippery(0), rough;
