@@ -31,7 +31,7 @@ function textOf(touch: Touch): string {
 
 function numbersOf(frame: Frame): number {
   const answer: Answer = frame.answer;
-  return answer === 'reached' ? frame.time : frame.leftToGo + frame.inside + frame.passedThrough + frame.bodyCount + frame.touchCount;
+  return answer === 'reached' ? frame.time : frame.ringing + frame.leftToGo + frame.inside + frame.passedThrough + frame.bodyCount + frame.touchCount;
 }
 
 function draw(skin: Skin, put: (name: string, array: Float32Array | Int32Array) => void): void {
