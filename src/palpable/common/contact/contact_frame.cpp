@@ -49,6 +49,9 @@ constexpr float kSharpest = 0.001f;  // m, the smallest radius that is looked af
 // Ratio to ContactLimits::band: with less than 1 no point that was farther away can be inside.
 constexpr double kSearchAgain = 0.9;
 
+// Ratio of how far the skin beside the contact points of a tick may move to how far these moved.
+constexpr float kBesidePoints = 1.5f;
+
 // Steps into which the way of obstacles divides a frame, at most.
 constexpr double kMostOfObstacles = 64;
 
@@ -986,6 +989,71 @@ void ContactFrame::run_in_time(double largest_move, double time) {
     done_ = static_cast<float>(step) / static_cast<float>(steps);
     run(left_behind_, largest_way_by_inertia(h) + way_of_obstacles / steps, step == steps);
   }
+}
+
+// After a tick: how far the skin near obstacles has moved since contacts were searched in its shape,
+// as far as their points, and half as far again for the points beside them. Infinite: not known.
+void ContactFrame::note_way_of_skin() {
+  float largest = search_.contacts().empty() ? std::numeric_limits<float>::infinity() : 0.0f;
+  for (const Contact& c : search_.contacts()) {
+    ContactBody& body = *part(c.body).body;
+    largest = std::max(largest, (body.position(c.place) - body.shape_at(c.point)).norm());
+  }
+  const auto moved = static_cast<double>(kBesidePoints * largest);
+  skin_moves_ = std::isfinite(moved) ? std::max(0.0, moved - skin_moved_) : moved;
+  skin_moved_ = moved;
+}
+
+// Whether contacts must be searched in a new shape for a tick of h (s) in which obstacles come by
+// `way` (m): a point may come through the band in which they were searched, if the skin moves on as
+// in the tick before, or it was long ago.
+bool ContactFrame::is_shape_due(double h, double way) const {
+  return !(came_ + way + skin_moved_ + skin_moves_ < kSearchAgain * least_band_) ||
+         searched_ + 0.5 * h > kLongestShape;
+}
+
+ContactReport ContactFrame::tick(std::span<const int> members, double h, double way) {
+  begin(members, {});
+  is_timed_ = steps_in(h) > 0;
+  is_entered_ = false;
+  left_behind_ = shift_before_ = 0;
+  done_before_ = 0;
+  done_ = 1;
+  if (is_timed_) {
+    set_time_step(h);
+  } else {
+    begin_without_way({});
+  }
+  const bool anew = !ticks_ || is_formed_ || is_shape_due(h, way);
+  if (anew) {
+    if (ticks_ && !is_formed_) form_shapes(false);
+    came_ = searched_ = skin_moved_ = 0;
+  }
+  came_ += way;
+  searched_ += h;
+  ticks_ = true;
+  is_formed_ = false;
+  find_contacts(anew ? Search::kAnew : Search::kGoesOn, 0);
+  settle(0, false, false, limits_.last_iterations, !anew);
+  ++report_.steps;
+  end_step(0, true);
+  note_way_of_skin();
+  // A shape that the next tick will need is formed now: what a tick may cost is divided among two.
+  if (is_shape_due(h, way)) {
+    form_shapes(false);
+    for (const int k : members_) part(k).body->keep_shape();
+    is_formed_ = true;
+  }
+  if (rubs_) report_.friction_residual = problem_.residual();
+  report_.stuck = is_stuck_;
+  return report_;
+}
+
+void ContactFrame::end_ticks() {
+  if (!ticks_) return;
+  form_shapes(true);
+  for (const int k : members_) part(k).body->keep_shape();
+  ticks_ = false;
 }
 
 ContactReport ContactFrame::solve(std::span<const int> members, std::span<const SkinPair> pairs,

@@ -95,6 +95,24 @@ class ContactFrame {
   ContactReport solve(std::span<const int> members, std::span<const SkinPair> pairs,
                       double largest_move, std::optional<double> time = {});
 
+  // Ticks: single time steps of one body, between which a frame stays open. A tick does what a step
+  // of solve() does, and nothing else: shapes are formed and contacts searched only when a point may
+  // have come through the band in which they were searched, or kLongestShape has passed.
+
+  /// s, for which contacts, shapes and nonlinear terms may stay as they were found.
+  static constexpr double kLongestShape = 0.008;
+
+  /// One tick. The first one begins from the body's state, for which begin_frame() was called.
+  /// @param members  one, as in the ticks before
+  /// @param h        s, above 0
+  /// @param way      m, no obstacle has come farther since the tick before
+  ContactReport tick(std::span<const int> members, double h, double way);
+  [[nodiscard]] bool ticks() const { return ticks_; }
+  /// The body's state becomes that under its forces, in all parts. Another frame may follow.
+  void end_ticks();
+  /// The ticks ended: the body's state is another one now.
+  void drop_ticks() { ticks_ = is_formed_ = false; }
+
   /// The pair of a contact between bodies.
   [[nodiscard]] const SkinPair& pair_of(const Contact& contact) const {
     return search_.pair_of(contact);
@@ -176,6 +194,8 @@ class ContactFrame {
   [[nodiscard]] double largest_way_of_obstacles() const;
   [[nodiscard]] double largest_way_by_inertia(double time) const;
   [[nodiscard]] bool is_off_at_begin() const;
+  void note_way_of_skin();
+  [[nodiscard]] bool is_shape_due(double h, double way) const;
   void set_time_step(double h);
   void begin_without_way(std::optional<double> time);
   void run_in_time(double largest_move, double time);
@@ -192,6 +212,11 @@ class ContactFrame {
   bool is_stuck_ = false;    // the last iteration could make no step
   bool is_entered_ = false;  // points that do not take part entered an obstacle
   bool is_timed_ = false;    // bodies have inertia in this frame
+  bool ticks_ = false;       // a frame is open
+  // Of ticks, since contacts were searched: m that obstacles have come, and points moved; m that
+  // these moved in the last tick; s
+  double came_ = 0, skin_moved_ = 0, skin_moves_ = 0, searched_ = 0;
+  bool is_formed_ = false;  // the shapes are those at the end of the last tick
   double left_behind_ = 0;   // m, by which obstacles are kept back in it
   double least_band_ = 0;    // m, of the members
 

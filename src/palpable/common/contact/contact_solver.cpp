@@ -249,6 +249,7 @@ ContactSolver::ContactSolver(ContactSolver&&) noexcept = default;
 ContactReport ContactSolver::advance(std::span<const Near> near, std::optional<double> time) {
   Work& w = *work_;
   PALPABLE_EXPECT(near.size() == w.parts.size(), "a Near for each member");
+  end_ticks();
   for (std::size_t k = 0; k < w.parts.size(); ++k) {
     w.parts[k].obstacles = near[k].obstacles;
     w.members[k].largest_move = near[k].largest_move;
@@ -292,6 +293,29 @@ ContactReport ContactSolver::advance(std::span<const Near> near, std::optional<d
     all.sharp_inside = std::max(all.sharp_inside, one.sharp_inside);
   }
   return all;
+}
+
+ContactReport ContactSolver::tick(const Near& near, double h, double way) {
+  Work& w = *work_;
+  PALPABLE_EXPECT(w.parts.size() == 1 && h > 0, "a tick of one body");
+  ContactBody& body = *w.parts.front().body;
+  if (!(way <= body.limits().largest_step) || body.steps_in(h) > 1) return advance({&near, 1}, h);
+  w.parts.front().obstacles = near.obstacles;
+  if (!w.frame->ticks()) body.begin_frame();
+  w.solved.assign(1, 0);
+  Work::Member& member = w.members.front();
+  member.report = w.frame->tick(w.solved, h, way);
+  member.is_at_rest = false;
+  return member.report;
+}
+
+void ContactSolver::end_ticks() { work_->frame->end_ticks(); }
+bool ContactSolver::ticks() const { return work_->frame->ticks(); }
+void ContactSolver::drop_ticks() { work_->frame->drop_ticks(); }
+std::span<const Contact> ContactSolver::contacts() const { return work_->frame->contacts(); }
+
+Eigen::Vector3f ContactSolver::position_of(const Contact& contact) const {
+  return work_->parts[static_cast<std::size_t>(contact.body)].body->position(contact.place);
 }
 
 const ContactReport& ContactSolver::report_of(int member) const {

@@ -88,6 +88,29 @@ class ContactSolver {
   ///              on. None: the static state, without motion
   ContactReport advance(std::span<const Near> near, std::optional<double> time = {});
 
+  // Ticks, for force devices: time steps of about a millisecond of one body alone, each in a
+  // fraction of a frame's time. Between ticks its state has its forces, anchors and vibration; its
+  // displacement is that of some ticks before (ContactFrame::kLongestShape) until end_ticks().
+
+  /// One tick. Where obstacles came so far that a frame would be divided, or were not there before,
+  /// it is a frame.
+  /// @pre the solver has one member, a body with tables
+  /// @param near  whose step limit holds in frames alone
+  /// @param h     s, since the tick or the frame before, above 0
+  /// @param way   m, no obstacle has come farther since then; infinite: not known
+  ContactReport tick(const Near& near, double h, double way);
+  /// The state becomes that under its forces, in all parts. advance() begins with it.
+  void end_ticks();
+  /// Whether the last call was a tick.
+  [[nodiscard]] bool ticks() const;
+  /// The member's state was replaced by another one since the last tick.
+  void drop_ticks();
+  /// The contacts of the last tick or frame, before its step limit; those with Contact::pressing
+  /// above 0 press.
+  [[nodiscard]] std::span<const Contact> contacts() const;
+  /// m, position of a contact's point in the frame of its body. @pre one of contacts()
+  [[nodiscard]] Eigen::Vector3f position_of(const Contact& contact) const;
+
   // These are for one member, after the frame advanced last.
 
   /// The report of the member and those that were solved with it.

@@ -408,10 +408,9 @@ void TablesBody::begin_step(std::span<const PlaceLoad> loads, bool last) {
 
 void TablesBody::go_on(std::span<const PlaceLoad> loads) {
   Work& w = *work_;
-  PALPABLE_EXPECT(w.is_timed, "time passes");
   w.iteration = 0;
   w.set_loads([&](std::size_t p) { return loads[p].force; });
-  w.inertia->begin_step(w.state->vibration, w.loads);
+  if (w.is_timed) w.inertia->begin_step(w.state->vibration, w.loads);
   w.find_displacements(CrossTerms::kAsBefore);
 }
 
@@ -609,8 +608,13 @@ void TablesBody::keep(bool is_free) {
   state.regions.assign(w.nonlinear.regions().begin(), w.nonlinear.regions().end());
   state.refinement.weights = w.correcting;
   if (w.inertia) w.keep_vibration(is_free);
-  if (w.is_formed) state.u.swap(w.formed);
-  w.shape = &state.u;
+  keep_shape();
+}
+
+void TablesBody::keep_shape() {
+  Work& w = *work_;
+  if (w.is_formed) w.state->u.swap(w.formed);
+  w.shape = &w.state->u;
   w.is_formed = false;
 }
 

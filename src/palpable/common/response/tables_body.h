@@ -142,6 +142,7 @@ class TablesBody final : public ContactBody {
   void form_shape(bool all) override;
   [[nodiscard]] bool has_moved(double way) const override;
   void keep(bool is_free) override;
+  void keep_shape() override;
   void end_frame(double penetration) override;
   [[nodiscard]] double moved() const override;
   void limit_step(double share) override;

@@ -83,6 +83,22 @@ class TouchSolver {
                       double largest_move = std::numeric_limits<double>::infinity(),
                       std::optional<double> time = {});
 
+  /// A tick: one time step for a force device, of which contacts and forces are computed alone
+  /// (ContactSolver::tick()). The first one begins from a state after a frame.
+  /// @param h    s, since the tick or the frame before, above 0
+  /// @param way  m, no obstacle has come farther since then; infinite: not known
+  ContactReport tick(TouchState& state, const Obstacles& obstacles, double h, double way);
+  /// The displacement of the state of the last tick becomes that under its forces; advance() begins
+  /// with it.
+  void end_ticks() { solver_.end_ticks(); }
+  /// The state was replaced by another one since the last tick.
+  void drop_ticks() { solver_.drop_ticks(); }
+  /// As ContactSolver::contacts() and ContactSolver::position_of().
+  [[nodiscard]] std::span<const Contact> contacts() const { return solver_.contacts(); }
+  [[nodiscard]] Eigen::Vector3f position_of(const Contact& contact) const {
+    return solver_.position_of(contact);
+  }
+
   /// The load that a state bears, as a request for its full-order solution. False: there is no
   /// load, or a solution is still being blended in. Allocates nothing once `load` has had its room.
   /// @pre the state has nothing left to move (TouchReport::left_to_move)
@@ -116,16 +132,18 @@ class TouchSolver {
   /// Positions of the body's skin in a state, (3 x F) m. Threads and allocations as for stress().
   void place(const TouchState& state, Eigen::Matrix3Xf& skin) const { body_->place(state, skin); }
   /// Displacements of the points at which a state's forces act, m, force by force. Likewise.
-  void find_moved(const TouchState& state, std::vector<Eigen::Vector3f>& moved) const {
-    body_->find_moved(state, moved);
-  }
+  /// Also between ticks, whose state's displacement is an older one.
+  void find_moved(const TouchState& state, std::vector<Eigen::Vector3f>& moved) const;
 
   /// The body that is solved, for a solver of several bodies.
   [[nodiscard]] TablesBody& body() { return *body_; }
 
  private:
+  void use(TouchState& state);
+
   std::unique_ptr<TablesBody> body_;
   ContactSolver solver_;
+  const TouchState* used_ = nullptr;  // of the last call
 };
 
 }  // namespace palpable

@@ -55,10 +55,10 @@ inline void check_time(const palpable_session& session, double time) {
     throw Failure(PALPABLE_WRONG_ARGUMENT,
                   fmt::format("time is {} s, which is not within {} s from 0", time, kLatest));
   }
-  if (session.frames > 0 && !(time > session.time)) {
-    throw Failure(
-        PALPABLE_WRONG_ARGUMENT,
-        fmt::format("time is {} s and that of the frame before was {} s", time, session.time));
+  if (!session.is_first() && !(time > session.last_time())) {
+    throw Failure(PALPABLE_WRONG_ARGUMENT,
+                  fmt::format("time is {} s and that of the frame before was {} s", time,
+                              session.last_time()));
   }
 }
 

@@ -62,7 +62,7 @@ void palpable_session::reset() {
   touches_.clear();
   things.clear();
   frames = 0;
-  time = std::numeric_limits<double>::quiet_NaN();
+  time = ticked_ = std::numeric_limits<double>::quiet_NaN();
   left_to_go = inside = ringing = 0;
   answer = PALPABLE_NOT_JUDGED;
   passed_through = 0;
@@ -108,9 +108,7 @@ void palpable::show_rest(std::span<const palpable_body> bodies, std::vector<Scen
   }
 }
 
-void palpable_session::process_things(std::span<const palpable_thing> the_things, double at,
-                                      bool moves) {
-  is_broken = true;
+void palpable_session::take_things(std::span<const palpable_thing> the_things) {
   capsules_.clear();
   for (const palpable_thing& thing : the_things) {
     for (std::size_t k = 0; k < thing.count; ++k) {
@@ -118,19 +116,34 @@ void palpable_session::process_things(std::span<const palpable_thing> the_things
       capsules_.push_back({Vector3d(c.a), Vector3d(c.b), c.radius_a, c.radius_b});
     }
   }
-  things.clear();
   things_.clear();
   std::span<const palpable::Capsule> rest = capsules_;
   for (const palpable_thing& thing : the_things) {
-    things.push_back(thing.id);
     const float friction = thing.friction < 0    ? 0
                            : thing.friction == 0 ? palpable::kFrictionOfBody
                                                  : static_cast<float>(thing.friction);
     things_.push_back({thing.id, rest.first(thing.count), friction});
     rest = rest.subspan(thing.count);
   }
+}
+
+void palpable_session::tick_things(std::span<const palpable_thing> the_things, double at,
+                                   std::span<palpable::ThingForce> forces) {
+  is_broken = true;
+  take_things(the_things);
+  press_->tick(things_, forces, is_first() ? 0.0 : at - last_time());
+  ticked_ = at;
+  is_broken = false;
+}
+
+void palpable_session::process_things(std::span<const palpable_thing> the_things, double at,
+                                      bool moves) {
+  is_broken = true;
+  take_things(the_things);
+  things.clear();
+  for (const palpable_thing& thing : the_things) things.push_back(thing.id);
   std::optional<double> passed;
-  if (moves) passed = frames == 0 ? 0.0 : at - time;
+  if (moves) passed = is_first() ? 0.0 : at - last_time();
   const palpable::ContactReport report = press_->advance(things_, shown_, touches_, passed);
   ringing = report.ringing;
   left_to_go = report.left();

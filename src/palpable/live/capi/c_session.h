@@ -62,6 +62,14 @@ struct palpable_session {
   /// @param moves   whether time passes for the bodies since the last frame
   void process_things(std::span<const palpable_thing> things, double at, bool moves);
 
+  /// A tick (palpable_tick_at). @param things, at  as there  @param forces  one for each thing
+  void tick_things(std::span<const palpable_thing> things, double at,
+                   std::span<palpable::ThingForce> forces);
+
+  /// s, of the last frame or tick; not a number before the first one.
+  [[nodiscard]] double last_time() const { return std::fmax(time, ticked_); }
+  [[nodiscard]] bool is_first() const { return std::isnan(last_time()); }
+
   /// Moves the arrays of the last frame out. shown() has none until the next one.
   [[nodiscard]] palpable_kept_frame keep_frame();
 
@@ -89,7 +97,10 @@ struct palpable_session {
   bool is_broken = false;            ///< a call was interrupted by an exception
 
  private:
+  void take_things(std::span<const palpable_thing> the_things);
+
   std::unique_ptr<palpable::PressedBodies> press_;
+  double ticked_ = std::numeric_limits<double>::quiet_NaN();  // s, of the last tick
   std::vector<palpable::Capsule> capsules_;
   std::vector<palpable::CapsuleThing> things_;
   std::vector<palpable::Touch> touches_;

@@ -119,6 +119,24 @@ void check_together(std::span<const palpable_thing> things) {
   require_at_most(palpable::kMostThingCapsules, capsules, "capsules together");
 }
 
+// The things of a call that may be used.
+class CheckedThings {
+ public:
+  CheckedThings(const palpable_thing* things, std::size_t count) : count_(count) {
+    require(things != nullptr || count == 0, "things is null");
+    require_at_most(palpable::kMostThings, count, "things");
+    for (std::size_t k = 0; k < count; ++k) taken_[k] = checked_thing(things, k);
+    check_together(all());
+  }
+  [[nodiscard]] std::span<const palpable_thing> all() const {
+    return std::span(taken_).first(count_);
+  }
+
+ private:
+  std::array<palpable_thing, palpable::kMostThings> taken_;
+  std::size_t count_;
+};
+
 void write(const Eigen::Vector3d& from, double to[3]) { Eigen::Vector3d::Map(to) = from; }
 
 }  // namespace
@@ -190,7 +208,7 @@ palpable_status palpable_press(palpable_session* session, const palpable_capsule
     require_at_most(palpable::kMostThingCapsules, count, "capsules");
     for (std::size_t k = 0; k < count; ++k) check_capsule(capsules[k], k);
     const palpable_thing thing{sizeof(palpable_thing), 0, capsules, count, PALPABLE_NO_FRICTION};
-    open.process_things({&thing, 1}, open.frames == 0 ? 1 : open.time + 1, false);
+    open.process_things({&thing, 1}, open.is_first() ? 1 : open.last_time() + 1, false);
   });
 }
 
@@ -199,13 +217,23 @@ palpable_status palpable_press_at(palpable_session* session, const palpable_thin
   return guarded([&] {
     palpable_session& open = opened_without_camera(session, "palpable_press_at");
     palpable::check_time(open, seconds);
-    require(things != nullptr || count == 0, "things is null");
-    require_at_most(palpable::kMostThings, count, "things");
-    std::array<palpable_thing, palpable::kMostThings> taken;
-    for (std::size_t k = 0; k < count; ++k) taken[k] = checked_thing(things, k);
-    const std::span<const palpable_thing> checked = std::span(taken).first(count);
-    check_together(checked);
-    open.process_things(checked, seconds, true);
+    open.process_things(CheckedThings(things, count).all(), seconds, true);
+  });
+}
+
+palpable_status palpable_tick_at(palpable_session* session, const palpable_thing* things,
+                                 size_t count, double seconds, palpable_thing_force* forces) {
+  return guarded([&] {
+    palpable_session& open = opened_without_camera(session, "palpable_tick_at");
+    palpable::check_time(open, seconds);
+    require(forces != nullptr || count == 0, "forces is null");
+    const CheckedThings checked(things, count);
+    std::array<palpable::ThingForce, palpable::kMostThings> found;
+    open.tick_things(checked.all(), seconds, std::span(found).first(count));
+    for (std::size_t k = 0; k < count; ++k) {
+      write(found[k].force, forces[k].force);
+      write(found[k].torque, forces[k].torque);
+    }
   });
 }
 

@@ -108,6 +108,73 @@ TEST_CASE("touches carry the ids of the things that press", "[capi]") {
   }
 }
 
+TEST_CASE("a tick gives the forces on things, and leaves the frame as it is", "[capi]") {
+  const OpenBody ball = ball_at({0, 0, 0});
+  const OpenSession ticked = session_of({ball.get()}), framed = session_of({ball.get()});
+  const palpable_capsule still = finger_at(1, 0);
+  std::array<palpable_thing_force, 2> forces{};
+  const auto things_at = [&](const palpable_capsule& finger) {
+    return std::array{thing_of(5, still), thing_of(6, finger)};
+  };
+  for (int k = 0; k <= 40; ++k) {
+    const palpable_capsule finger = finger_at(0, 1e-4 * k - 1e-3);
+    const auto things = things_at(finger);
+    REQUIRE(palpable_press_at(framed.get(), things.data(), 2, 1e-3 * k) == PALPABLE_OK);
+    if (k == 0) {
+      REQUIRE(palpable_press_at(ticked.get(), things.data(), 2, 0) == PALPABLE_OK);
+    } else {
+      REQUIRE(palpable_tick_at(ticked.get(), things.data(), 2, 1e-3 * k, forces.data()) ==
+              PALPABLE_OK);
+    }
+  }
+  const std::vector<palpable_touch> touches = touches_of(framed.get());
+  REQUIRE(touches.size() == 1);
+  const Vector3d on_body(touches[0].force), on_thing(forces[1].force);
+  CHECK(on_body.norm() > 0.1);
+  CHECK((on_thing + on_body).norm() < tolerance(0.01, "a tick's") * on_body.norm());
+  const Vector3d torque = Vector3d(touches[0].point).cross(-on_body);
+  CHECK((Vector3d(forces[1].torque) - torque).norm() <
+        tolerance(0.001, "m, of the centre of pressure") * on_body.norm());
+  CHECK(Vector3d(forces[0].force).isZero(0));
+  // The frame is still the one without a touch; the next one goes on from the ticks.
+  CHECK(touches_of(ticked.get()).empty());
+  auto frame = test::sized<palpable_frame>();
+  REQUIRE(palpable_get_frame(ticked.get(), &frame) == PALPABLE_OK);
+  CHECK(frame.time == 0);
+  const palpable_capsule finger = finger_at(0, 3e-3);
+  const auto things = things_at(finger);
+  for (const auto& session : {ticked.get(), framed.get()}) {
+    REQUIRE(palpable_press_at(session, things.data(), 2, 0.041) == PALPABLE_OK);
+  }
+  const palpable_skin a = skin_of(ticked.get()), b = skin_of(framed.get());
+  double apart = 0;
+  for (int k = 0; k < 3 * a.vertex_count; ++k) {
+    apart = std::max(apart, static_cast<double>(std::abs(a.vertices[k] - b.vertices[k])));
+  }
+  CHECK(apart < tolerance(3e-5, "m: 1 % of 3 mm"));
+  CHECK(touches_of(ticked.get())[0].thing == 6);
+}
+
+TEST_CASE("ticks of several bodies, and what ticks refuse", "[capi]") {
+  const OpenBody left = ball_at({0, 0, 0}), right = ball_at({0.3, 0, 0});
+  const OpenSession session = session_of({left.get(), right.get()});
+  const palpable_capsule a = finger_at(0, 0.003), b = finger_at(0.3, 0.002);
+  const std::array things{thing_of(1, a), thing_of(2, b)};
+  std::array<palpable_thing_force, 2> forces{};
+  const auto tick_at = [&](double seconds, palpable_thing_force* to) {
+    return palpable_tick_at(session.get(), things.data(), 2, seconds, to);
+  };
+  REQUIRE(tick_at(1, forces.data()) == PALPABLE_OK);
+  REQUIRE(tick_at(1.001, forces.data()) == PALPABLE_OK);
+  CHECK(forces[0].force[2] > 0.01);
+  CHECK(forces[1].force[2] > 0.01);
+  CHECK(tick_at(1.001, forces.data()) == PALPABLE_WRONG_ARGUMENT);
+  CHECK(tick_at(1.002, nullptr) == PALPABLE_WRONG_ARGUMENT);
+  CHECK(palpable_press_at(session.get(), things.data(), 2, 1.001) == PALPABLE_WRONG_ARGUMENT);
+  CHECK(palpable_tick_at(session.get(), nullptr, 0, 1.002, nullptr) == PALPABLE_OK);
+  CHECK(palpable_tick_at(nullptr, nullptr, 0, 2, nullptr) == PALPABLE_WRONG_ARGUMENT);
+}
+
 TEST_CASE("two things side by side are two touches, as one thing they are one", "[capi]") {
   const OpenBody ball = ball_at({0, 0, 0});
   const palpable_capsule a = finger_at(-0.003, 0.004), b = finger_at(0.003, 0.004);

@@ -242,6 +242,24 @@ PALPABLE_API palpable_status palpable_press_at(palpable_session* session,
                                                const palpable_thing* things, size_t count,
                                                double seconds);
 
+/** What the bodies do to a thing. This struct never gets more members. */
+typedef struct palpable_thing_force {
+  double force[3];  /**< N, world frame */
+  double torque[3]; /**< N m, about the world's origin */
+} palpable_thing_force;
+
+/** A tick, for force devices: as palpable_press_at(), but computes nothing but the forces on the
+ * things, in a fraction of the time, and may be called a thousand times a second
+ * (docs/haptics.md). Touches, skins and palpable_frame stay those of the last palpable_press_at(),
+ * which may be called in between as often as there are pictures, and goes on from the last tick. A
+ * tick after more than some ms, one in which a capsule comes by more than a millimetre, and one of
+ * several bodies cost as much as a frame.
+ * @param seconds  larger than that of the previous call of either function
+ * @param forces   `count` of them, one for each thing, overwritten; null if count is 0 */
+PALPABLE_API palpable_status palpable_tick_at(palpable_session* session,
+                                              const palpable_thing* things, size_t count,
+                                              double seconds, palpable_thing_force* forces);
+
 /** palpable_press_at() with one thing without friction whose id is 0, a second after the previous
  * call; the first call is at 1 s. No body has inertia in it: the skins come to rest at once. */
 PALPABLE_API palpable_status palpable_press(palpable_session* session,

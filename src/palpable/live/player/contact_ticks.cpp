@@ -118,15 +118,14 @@ void ContactTicks::run_ticks() {
     }
     const auto start = std::chrono::steady_clock::now();
     between_.advance(ahead);
-    between_.place(skin_);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
     if (!between_.touches().empty()) times_.add(took.count());
     ++figures_.ticks;
     if (report_) {
-      report_({frame_.number, tick, ahead, frame_.time + ahead, &between_.touches(), &skin_});
+      report_({frame_.number, tick, ahead, frame_.time + ahead, &between_.touches()});
     }
     if (tick == of_frame) {
-      skin_at_end_ = skin_;
+      between_.place(skin_at_end_);
       reached_end_ = true;
     }
   }

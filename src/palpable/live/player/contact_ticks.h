@@ -35,7 +35,6 @@ struct ContactTick {
   double ahead = 0;                             ///< s after the frame
   double time = 0;                              ///< s, the frame's time + `ahead`
   const std::vector<Touch>* touches = nullptr;  ///< sorted by force, the largest first
-  const Eigen::Matrix3Xf* skin = nullptr;       ///< (3 x F) m, body frame
 };
 
 /// Statistics of a run's ticks.

@@ -42,6 +42,7 @@ struct SolvedFrame {
   std::vector<Eigen::Vector3f> velocities;
   Eigen::Vector3f camera = Eigen::Vector3f::Zero();  ///< m, body frame: its position
   TouchState state;
+  double left_to_move = 0;  ///< m, Scene::left_to_move
 
   /// Copies the result of the session's last frame; keeps its memory.
   void take(const Session& session, const Scene& scene);
@@ -65,14 +66,16 @@ class BetweenFrames {
   /// s between that frame and the one before it; 0: it is the first one, or came long after.
   [[nodiscard]] double interval() const { return motion_.interval(); }
 
-  /// Solves contact at `ahead` s after the frame. Call it with rising times.
+  /// Solves contact at `ahead` s after the frame, by a tick (contact/contact_solver.h). Call it with
+  /// rising times.
   void advance(double ahead);
   /// The touches of the last advance(), else of the frame: one per contact patch, the strongest
   /// first.
   [[nodiscard]] const std::vector<Touch>& touches() const { return touches_; }
+  /// Its displacement may be that of some ticks before, until place() is called.
   [[nodiscard]] const TouchState& state() const { return state_; }
   /// Positions of the skin at that time, (3 x F) m.
-  void place(Eigen::Matrix3Xf& skin) const { contact_.place(state_, skin); }
+  void place(Eigen::Matrix3Xf& skin);
   /// Positions of the skin in another state of the body.
   void place(const TouchState& state, Eigen::Matrix3Xf& skin) const { contact_.place(state, skin); }
 
@@ -83,7 +86,9 @@ class BetweenFrames {
   ObjectSurface surface_;
   bool dynamics_;  // SessionSettings::dynamics
   Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
-  double ahead_ = 0;  // s after the frame, of the last advance()
+  double ahead_ = 0;    // s after the frame, of the last advance()
+  double fastest_ = 0;  // m/s, of the frame's balls
+  bool is_solved_ = true;  // nothing was left to move in the frame
   std::vector<ObjectBall> balls_;
   TouchState state_;
   std::vector<Touch> touches_;

@@ -188,6 +188,65 @@ ContactReport PressedBodies::advance(std::span<const CapsuleThing> things,
   return report;
 }
 
+ContactReport PressedBodies::tick(std::span<const CapsuleThing> things,
+                                  std::span<ThingForce> forces, double time) {
+  PALPABLE_EXPECT(forces.size() == things.size(), "a force for each thing");
+  take(things);
+  keep_outside();
+  ContactReport report;
+  if (together_ || !(time > 0)) {
+    report = solve(time);
+  } else {
+    Pressed& body = *bodies_.front();
+    report = body.contact.solver().tick(body.state, body.obstacles, time,
+                                        static_cast<double>(body.obstacles.largest_way()));
+  }
+  std::fill(forces.begin(), forces.end(), ThingForce{});
+  add_forces(forces);
+  return report;
+}
+
+// Where each capsule was outside of the skins for the last time does not change in a tick.
+void PressedBodies::keep_outside() {
+  outside_ = capsules_;
+  for (std::size_t t = 0; t < runs_.size(); ++t) {
+    const Run* run = run_before(t);
+    if (run == nullptr) continue;
+    for (std::size_t k = 0; k < run->count; ++k) {
+      outside_[runs_[t].first + k] = outside_before_[run->first + k];
+    }
+  }
+}
+
+// Adds what the bodies do to the things after a tick.
+void PressedBodies::add_forces(std::span<ThingForce> forces) {
+  const auto add = [&](int thing, const Pressed& body, const Eigen::Vector3d& at,
+                       const Eigen::Vector3d& on_body) {
+    if (thing < 0) return;
+    ThingForce& sum = forces[static_cast<std::size_t>(thing)];
+    const Eigen::Vector3d force = -(body.world_from_body.linear() * on_body);
+    sum.force += force;
+    sum.torque += (body.world_from_body * at).cross(force);
+  };
+  if (!together_) {
+    const Pressed& body = *bodies_.front();
+    const TouchSolver& solver = bodies_.front()->contact.solver();
+    for (const Contact& contact : solver.contacts()) {
+      if (!(contact.pressing > 0) || contact.part < 0) continue;
+      add(things_[static_cast<std::size_t>(contact.part)], body,
+          solver.position_of(contact).cast<double>(), contact.force.cast<double>());
+    }
+    return;
+  }
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    Pressed& body = *bodies_[k];
+    find_touches(body, static_cast<int>(k));
+    for (const Touch& touch : body.touches) {
+      if (touch.by < 0) add(touch.thing, body, touch.point_in_body, touch.whole_force());
+    }
+  }
+}
+
 PressedBodies::Passage PressedBodies::passage_of(const Capsule& before, const Capsule& now) const {
   Passage passage = Passage::kNone;
   for (const auto& body : bodies_) {

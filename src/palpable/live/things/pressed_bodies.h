@@ -31,6 +31,12 @@ struct CapsuleThing {
   float friction = kFrictionOfBody;
 };
 
+/// What the bodies do to a thing.
+struct ThingForce {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< N, world frame
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< N m, about the world's origin
+};
+
 /// Keeps the state of one body or several from call to call. Several bodies press each other, too
 /// (contact/contact_solver.h). A call allocates nothing if an earlier one had at least as many
 /// things and capsules.
@@ -57,7 +63,14 @@ class PressedBodies {
   /// @return of all bodies; its left_to_move and depths are the largest
   ContactReport advance(std::span<const CapsuleThing> things, std::span<SceneBody> shown,
                         std::vector<Touch>& touches, std::optional<double> time = {});
-  /// Of the last call: how many capsules have come out of a skin through which they passed, from
+  /// A tick, for force devices: the forces on the things alone, of one body in a fraction of the
+  /// time of advance(), about a millisecond after the call before (ContactSolver::tick()). Several
+  /// bodies take as long as in advance(). The next advance() goes on from here.
+  /// @param things  as for advance()  @param forces  one for each, overwritten
+  /// @param time    s, since the last call; 0 in the first one
+  ContactReport tick(std::span<const CapsuleThing> things, std::span<ThingForce> forces,
+                     double time);
+  /// Of the last call of advance(): how many capsules have come out of a skin through which they passed, from
   /// outside to outside, in one call or in several. Only capsules that advance by more than their
   /// radius, or that the skin did not give way to, may do so. A thing whose number of capsules
   /// changed is left out: then it is not known which is which.
@@ -78,6 +91,8 @@ class PressedBodies {
   void match_capsules();
   ContactReport solve(std::optional<double> time);
   void find_touches(Pressed& body, int number);
+  void add_forces(std::span<ThingForce> forces);
+  void keep_outside();
   [[nodiscard]] double coefficient_of(const Touch& touch, Pressed& body) const;
   void show(Pressed& body, SceneBody& shown) const;
   [[nodiscard]] const Run* run_before(std::size_t number) const;

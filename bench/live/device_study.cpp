@@ -1,0 +1,209 @@
+#include "bench/live/device_study.h"
+
+#include "palpable/common/base/cpu_time.h"
+#include "palpable/common/contact/capsule_obstacles.h"
+#include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/response/touch_solver.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+namespace palpable::app {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+constexpr double kTick = 1e-3;     // s
+constexpr double kDepth = 5e-3;    // m
+constexpr double kAside = 5e-3;    // m
+constexpr double kLength = 0.04;   // m, of a finger
+constexpr int kEachFrame = 33;     // ticks between frames of a camera
+constexpr double kShakes = 0.002;  // m/s: the hand that holds still shakes faster than a device may
+
+// A body that one finger presses, tick by tick.
+class PressedByFinger {
+ public:
+  PressedByFinger(const TouchableBody& body, const Fingertip& finger, double friction)
+      : finger_(finger),
+        solver_(body.body.surface, body.body.fixed, *body.touch, {.friction = friction}) {}
+
+  void show(const Vector3d& centre) {
+    const std::array now{finger_.at(centre)};
+    static constexpr std::array kOfBody{kFrictionOfBody};
+    static constexpr std::array kSame{0};
+    obstacles_.set(now);
+    obstacles_.set_friction(kOfBody,
+                            std::span(before_).first(is_there_ ? 1 : 0),
+                            std::span(kSame).first(is_there_ ? 1 : 0));
+    before_ = now;
+    is_there_ = true;
+  }
+  void tick() { solver_.tick(state_, obstacles_, kTick, way()); }
+  void frame() {
+    solver_.advance(state_, obstacles_, std::numeric_limits<double>::infinity(), kTick);
+  }
+  // N, on the body
+  [[nodiscard]] Vector3d force() const {
+    Vector3d sum = Vector3d::Zero();
+    for (const PointForce& at : state_.forces) sum += at.force.cast<double>();
+    return sum;
+  }
+  // The state is that of another one, in all parts.
+  void take_over(PressedByFinger& other) {
+    other.solver_.end_ticks();
+    solver_.drop_ticks();
+    state_ = other.state_;
+  }
+
+ private:
+  [[nodiscard]] double way() const { return static_cast<double>(obstacles_.largest_way()); }
+
+  Fingertip finger_;
+  TouchSolver solver_;
+  TouchState state_;
+  CapsuleObstacles obstacles_;
+  std::array<Capsule, 1> before_;
+  bool is_there_ = false;
+};
+
+// The finger's way in a press at a speed: m into the body and aside, at a time (s).
+struct Press {
+  double speed;
+
+  [[nodiscard]] double begin() const { return -2e-3 / speed; }
+  [[nodiscard]] double end() const { return 2 * kDepth / speed + 2 * kAside / speed; }
+  [[nodiscard]] double in(double t) const {
+    const double back = 2 * kAside / speed + kDepth / speed;
+    return t < back ? std::min(kDepth, speed * t) : kDepth - speed * (t - back);
+  }
+  [[nodiscard]] double aside(double t) const {
+    return std::clamp(speed / 2 * (t - kDepth / speed), 0.0, kAside);
+  }
+};
+
+double rounded_to(double step, double value) { return step * std::round(value / step); }
+
+}  // namespace
+
+Capsule Fingertip::at(const Vector3d& centre) const {
+  return {centre, centre - kLength * (into - 0.3 * aside).normalized(), radius, 1.1 * radius};
+}
+
+std::vector<Fingertip> fingertips(const TouchableBody& body, int count, std::uint64_t seed) {
+  const SurfaceMesh& skin = body.body.surface;
+  Matrix3Xd normals(3, skin.vertex_count());
+  vertex_normals(skin.vertices, skin.triangles, normals);
+  const double bottom = skin.vertices.row(2).minCoeff(), top = skin.vertices.row(2).maxCoeff();
+  std::mt19937_64 random(seed);
+  std::vector<Fingertip> found;
+  while (std::ssize(found) < count) {
+    const auto v = static_cast<Index>(random() % static_cast<std::uint64_t>(skin.vertex_count()));
+    if (body.body.fixed[static_cast<std::size_t>(v)] != 0) continue;
+    if (skin.vertices(2, v) < bottom + 0.15 * (top - bottom)) continue;
+    Fingertip finger;
+    finger.into = -normals.col(v);
+    finger.aside = finger.into.unitOrthogonal();
+    finger.touching = skin.vertices.col(v) - finger.radius * finger.into;
+    found.push_back(finger);
+  }
+  return found;
+}
+
+TickFigures tick_figures(const TouchableBody& body, const Fingertip& finger, double friction,
+                         double speed) {
+  PressedByFinger ticked(body, finger, friction), framed(body, finger, friction),
+      changed(body, finger, friction);
+  const Press press{speed};
+  TickFigures figures;
+  std::vector<double> apart, sizes;
+  int n = 0;
+  for (double t = press.begin(); t < press.end(); t += kTick, ++n) {
+    const Vector3d centre =
+        finger.touching + press.in(t) * finger.into + press.aside(t) * finger.aside;
+    for (PressedByFinger* one : {&ticked, &framed, &changed}) one->show(centre);
+    const bool comes_in = n % kEachFrame == kEachFrame - 1;
+    // Another body goes on from the ticks' state by a whole frame.
+    if (comes_in) changed.take_over(ticked);
+    double tick = 0, frame = 0;
+    {
+      const CpuTimer timer(tick);
+      ticked.tick();
+    }
+    {
+      const CpuTimer timer(frame);
+      framed.frame();
+    }
+    if (comes_in) changed.frame();
+    const double size = framed.force().norm();
+    if (!(size > 0) && !(ticked.force().norm() > 0)) continue;
+    if (getenv("DBGT")) fprintf(stderr, "M %.3f\n", 1e3 * tick);
+    figures.ms.push_back(1e3 * tick);
+    figures.frame_ms.push_back(1e3 * frame);
+    sizes.push_back(size);
+    apart.push_back((ticked.force() - framed.force()).norm());
+    if (comes_in && size > 0) {
+      figures.jump.push_back((changed.force() - ticked.force()).norm() / size);
+    }
+  }
+  const double largest = sizes.empty() ? 0.0 : *std::max_element(sizes.begin(), sizes.end());
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    if (sizes[k] > 0.1 * largest) figures.force.push_back(apart[k] / sizes[k]);
+  }
+  return figures;
+}
+
+bool LeanFigures::is_stable() const { return shake < kShakes; }
+
+LeanFigures lean(const TouchableBody& body, const Fingertip& finger, const DeviceSettings& device,
+                 double seconds, bool fast) {
+  PressedByFinger pressed(body, finger, device.friction);
+  const double step = device.workspace / std::pow(2.0, device.bits), h = 1 / device.rate;
+  const double lead = fast ? 0.05 : 1.0;  // s
+  Vector3d x = finger.touching - 2e-3 * finger.into, velocity = Vector3d::Zero();
+  LeanFigures figures;
+  double energy = 0, squares = 0, forces = 0, depths = 0;
+  int last = 0;
+  const auto target = [&](double t) -> Vector3d {
+    const double in = -2e-3 + (kDepth + 2e-3) * std::min(1.0, t / lead);
+    const bool shakes = fast && t > lead && t < seconds - 1.5;
+    const double swing = shakes ? 3e-3 * std::sin(2 * std::numbers::pi * 5 * (t - lead)) : 0.0;
+    return finger.touching + (in + swing) * finger.into;
+  };
+  for (double t = 0; t < seconds; t += h) {
+    // The device measures where it is, and holds the answer until it measures again.
+    const Vector3d seen = x.unaryExpr([step](double value) { return rounded_to(step, value); });
+    pressed.show(seen);
+    pressed.tick();
+    const Vector3d force = -device.gain * pressed.force();
+    const Vector3d before = x;
+    constexpr int kParts = 20;  // the device itself moves on in between
+    for (int part = 0; part < kParts; ++part) {
+      const double dt = h / kParts;
+      const Vector3d hand = device.grip * (target(t + part * dt) - x) - device.damping * velocity;
+      velocity += dt / device.mass * (hand + force);
+      x += dt * velocity;
+    }
+    energy -= force.dot(x - before);
+    figures.least_energy = std::min(figures.least_energy, energy);
+    figures.largest_energy = std::max(figures.largest_energy, energy);
+    if (t < seconds - 1) continue;
+    ++last;
+    squares += velocity.squaredNorm();
+    forces += force.norm();
+    depths += (x - finger.touching).dot(finger.into);
+    if (!(velocity.norm() < 100)) break;
+  }
+  figures.shake = std::sqrt(squares / last);
+  figures.force = forces / last;
+  figures.depth = depths / last;
+  figures.stiffness = figures.depth > 0 ? figures.force / figures.depth : 0.0;
+  return figures;
+}
+
+}  // namespace palpable::app
