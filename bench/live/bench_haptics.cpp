@@ -49,9 +49,12 @@ Json percentiles(const std::vector<double>& values) {
 }
 
 Json json_of(const LeanFigures& lean) {
-  return {{"stable", lean.is_stable()},       {"shake_mm_s", 1e3 * lean.shake},
-          {"force_n", lean.force},            {"depth_mm", 1e3 * lean.depth},
-          {"stiffness_n_m", lean.stiffness},  {"least_energy_j", lean.least_energy},
+  return {{"stable", lean.is_stable()},
+          {"shake_mm_s", 1e3 * lean.shake},
+          {"force_n", lean.force},
+          {"depth_mm", 1e3 * lean.depth},
+          {"stiffness_n_m", lean.stiffness},
+          {"least_energy_j", lean.least_energy},
           {"largest_energy_j", lean.largest_energy}};
 }
 
@@ -67,9 +70,8 @@ Json device_figures(const TouchableBody& body, const Fingertip& finger,
   Json tried = Json::array();
   for (device.gain = 2; device.gain <= kLargestGain; device.gain *= std::sqrt(2.0)) {
     const LeanFigures stiff = lean(body, finger, device, 3, false);
-    tried.push_back({{"gain", device.gain},
-                     {"stable", stiff.is_stable()},
-                     {"stiffness_n_m", stiff.stiffness}});
+    tried.push_back(
+        {{"gain", device.gain}, {"stable", stiff.is_stable()}, {"stiffness_n_m", stiff.stiffness}});
     if (!stiff.is_stable()) break;
     stable = stiff.stiffness;
   }
@@ -80,10 +82,14 @@ Json device_figures(const TouchableBody& body, const Fingertip& finger,
 
 void print_haptics(const Json& result) {
   const auto number = [](const Json& of, const char* key) { return of[key].get<double>(); };
-  fmt::print("{} ticks with a force: {:.2f} ms of CPU (p99 {:.2f}); a whole frame {:.2f} ({:.2f})\n",
-             result["ticks"].get<int>(), number(result, "tick_ms_p50"),
-             number(result, "tick_ms_p99"), number(result["frame_ms"], "p50"),
-             number(result["frame_ms"], "p99"));
+  fmt::print(
+      "{} ticks with a force: {:.2f} ms of CPU (p99 {:.2f}); a whole frame {:.2f} ({:.2f})\n",
+      result["ticks"].get<int>(), number(result, "tick_ms_p50"), number(result, "tick_ms_p99"),
+      number(result["frame_ms"], "p50"), number(result["frame_ms"], "p99"));
+  fmt::print(
+      "paced, a force is there {:.2f} ms after it was due ({:.2f} at 99 of 100, {:.2f} at most)\n",
+      number(result["tick_late_ms"], "p50"), number(result["tick_late_ms"], "p99"),
+      number(result["tick_late_ms"], "largest"));
   fmt::print("force of a tick beside that of a whole frame: {:.1f} % off, {:.1f} at 90 of 100\n",
              100 * number(result, "tick_force_error"), 100 * number(result, "tick_force_p90"));
   fmt::print("jump where a frame takes a tick's place: {:.1f} %, {:.1f} at most\n",
@@ -114,16 +120,19 @@ void bench_haptics(HapticsBenchOptions options) {
   }
   ProgressBar bar;
   TickFigures all;
+  std::vector<double> late;
   Json places = Json::array();
   double stable = kLargestGain * 1e6;
   const std::vector<Fingertip> fingers = fingertips(body, options.places, options.seed);
   for (const Fingertip& finger : fingers) {
-    bar.show({"leans", static_cast<double>(places.size()), static_cast<double>(fingers.size()), {}});
+    bar.show(
+        {"leans", static_cast<double>(places.size()), static_cast<double>(fingers.size()), {}});
     const TickFigures one = tick_figures(body, finger, options.friction, options.speed);
     append(all.ms, one.ms);
     append(all.frame_ms, one.frame_ms);
     append(all.force, one.force);
     append(all.jump, one.jump);
+    append(late, lateness(body, finger, options.friction));
     Json place = device_figures(body, finger, options);
     place["force"] = percentiles(one.force);
     place["jump"] = percentiles(one.jump);
@@ -142,6 +151,7 @@ void bench_haptics(HapticsBenchOptions options) {
                     {"ticks", all.ms.size()},
                     {"tick_ms_p50", percentile(all.ms, 0.5)},
                     {"tick_ms_p99", percentile(all.ms, 0.99)},
+                    {"tick_late_ms", percentiles(late)},
                     {"frame_ms", percentiles(all.frame_ms)},
                     {"tick_force_error", percentile(all.force, 0.5)},
                     {"tick_force_p90", percentile(all.force, 0.9)},

@@ -107,7 +107,10 @@ struct Truth {
 // state held unchanged.
 struct Follower {
   explicit Follower(const Session& session)
-      : between(session), timed(session), skin(3, session.body().model().surface.vertex_count()), held(skin) {}
+      : between(session),
+        timed(session),
+        skin(3, session.body().model().surface.vertex_count()),
+        held(skin) {}
 
   void begin(const SolvedFrame& frame) {
     between.begin(frame);

@@ -7,10 +7,12 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <random>
+#include <thread>
 
 namespace palpable::app {
 namespace {
@@ -38,8 +40,7 @@ class PressedByFinger {
     static constexpr std::array kOfBody{kFrictionOfBody};
     static constexpr std::array kSame{0};
     obstacles_.set(now);
-    obstacles_.set_friction(kOfBody,
-                            std::span(before_).first(is_there_ ? 1 : 0),
+    obstacles_.set_friction(kOfBody, std::span(before_).first(is_there_ ? 1 : 0),
                             std::span(kSame).first(is_there_ ? 1 : 0));
     before_ = now;
     is_there_ = true;
@@ -125,7 +126,7 @@ TickFigures tick_figures(const TouchableBody& body, const Fingertip& finger, dou
   int n = 0;
   for (double t = press.begin(); t < press.end(); t += kTick, ++n) {
     const Vector3d centre =
-        finger.touching + press.in(t) * finger.into + press.aside(t) * finger.aside;
+        finger.touching + press.in(t)*finger.into + press.aside(t) * finger.aside;
     for (PressedByFinger* one : {&ticked, &framed, &changed}) one->show(centre);
     const bool comes_in = n % kEachFrame == kEachFrame - 1;
     // Another body goes on from the ticks' state by a whole frame.
@@ -204,6 +205,25 @@ LeanFigures lean(const TouchableBody& body, const Fingertip& finger, const Devic
   figures.depth = depths / last;
   figures.stiffness = figures.depth > 0 ? figures.force / figures.depth : 0.0;
   return figures;
+}
+
+std::vector<double> lateness(const TouchableBody& body, const Fingertip& finger, double friction) {
+  using Clock = std::chrono::steady_clock;
+  PressedByFinger pressed(body, finger, friction);
+  constexpr int kApproach = 500, kMeasured = 1000;  // ticks
+  std::vector<double> late;
+  Clock::time_point due = Clock::now();
+  for (int k = 0; k < kApproach + kMeasured; ++k) {
+    const double in = std::min(4e-3, 1e-5 * k - 1e-3) + 1e-4 * std::sin(0.05 * k);
+    if (k >= kApproach) std::this_thread::sleep_until(due);
+    pressed.show(finger.touching + in * finger.into);
+    pressed.tick();
+    const std::chrono::duration<double, std::milli> after = Clock::now() - due;
+    if (k >= kApproach) late.push_back(after.count());
+    // One that is late does not delay those after the next.
+    due = k < kApproach ? Clock::now() : due + std::chrono::milliseconds(1);
+  }
+  return late;
 }
 
 }  // namespace palpable::app

@@ -1,6 +1,6 @@
 /// @file
-/// Force devices: the forces of ticks (contact/contact_solver.h) beside those of whole frames, and a
-/// simulated device that leans on a body.
+/// Force devices: the forces of ticks (contact/contact_solver.h) beside those of whole frames, and
+/// a simulated device that leans on a body.
 ///
 ///          hand ──spring, damper──► device, 50 g ──measured position, 1 kHz──► tick
 ///                                     ▲                                        │
@@ -40,7 +40,8 @@ struct TickFigures {
   std::vector<double> frame_ms;  ///< of whole frames of 1 ms at the same times
   std::vector<double> force;     ///< |F_tick - F_frame| / |F_frame|, of ticks above a tenth of the
                                  ///< largest force
-  /// By how much of its force a tick jumps where a whole frame takes its place, from the same state.
+  /// By how much of its force a tick jumps where a whole frame takes its place, from the same
+  /// state.
   std::vector<double> jump;
 };
 [[nodiscard]] TickFigures tick_figures(const TouchableBody& body, const Fingertip& finger,
@@ -48,13 +49,13 @@ struct TickFigures {
 
 /// A force device with one point that moves in space, and the hand that holds it.
 struct DeviceSettings {
-  double mass = 0.05;       ///< kg
-  double rate = 1000;       ///< Hz
-  double workspace = 0.4;   ///< m, that 2^bits positions divide
+  double mass = 0.05;      ///< kg
+  double rate = 1000;      ///< Hz
+  double workspace = 0.4;  ///< m, that 2^bits positions divide
   int bits = 16;
-  double grip = 300;        ///< N/m, of the hand
-  double damping = 3;       ///< N s/m, of the hand
-  double gain = 1;          ///< times the body's force: as a body that is as many times stiffer
+  double grip = 300;   ///< N/m, of the hand
+  double damping = 3;  ///< N s/m, of the hand
+  double gain = 1;     ///< times the body's force: as a body that is as many times stiffer
   double friction = 0.3;
 };
 
@@ -74,5 +75,11 @@ struct LeanFigures {
 /// `fast`: it shakes it at 5 Hz by 3 mm meanwhile, and holds still in the last second.
 [[nodiscard]] LeanFigures lean(const TouchableBody& body, const Fingertip& finger,
                                const DeviceSettings& device, double seconds, bool fast);
+
+/// ms, how long after each of a second's ticks was due its force was there, with a tick due each
+/// ms: waking up and computing. More than 1: the next tick was late. A finger rests 4 mm deep and
+/// trembles.
+[[nodiscard]] std::vector<double> lateness(const TouchableBody& body, const Fingertip& finger,
+                                           double friction);
 
 }  // namespace palpable::app

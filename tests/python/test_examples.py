@@ -44,6 +44,12 @@ def test_a_hand_of_a_file_touches(ball, tmp_path):
     assert int(re.match(r"(\d+) touches in 31 frames", said)[1]) > 5
 
 
+def test_a_force_device_leans_on_a_body_and_holds_still(ball, tmp_path):
+    said = run("force_device.py", ball, tmp_path / "picture.png")
+    last, most = (float(number) for number in re.match(r"([\d.]+) N at [\d.]+ mm, ([\d.]+) N at most; 2999 ticks", said).groups())
+    assert 0.5 < last < most < 2 * last, "it leans, was shaken, and does not shake any more"
+
+
 def test_snapshots_become_modes_whose_error_falls(tmp_path):
     pytest.importorskip("h5py", reason="the Debian package python3-h5py is not installed")
     said = run("snapshots_to_modes.py", tmp_path / "picture.png")

@@ -49,8 +49,9 @@ def test_twelve_thousand_frames_take_no_more_memory(ball):
     for _ in range(PARTS):
         frames(FRAMES_OF_PART)
         sizes.append(resident())
-    # The allocator keeps a body's 4 MB or gives them back, by turns: the least of half of the parts against that of the others.
+    # What leaks grows from part to part. The allocator keeps a body's 4 MB or gives them back, by turns, and memory
+    # of a first call stays: so the least of the later parts against the largest of the others.
     half = PARTS // 2
-    growth = min(sizes[half:]) - min(sizes[:half])
-    print(f"{growth / 1e3:.0f} kB more in {half * FRAMES_OF_PART} frames, of {[size // 1000 for size in sizes]} kB")
-    assert growth < 400_000
+    growth = min(sizes[half:]) - max(sizes[:half])
+    print(f"{growth / 1e3:.0f} kB more, of {[size // 1000 for size in sizes]} kB")
+    assert growth < 250_000

@@ -991,8 +991,9 @@ void ContactFrame::run_in_time(double largest_move, double time) {
   }
 }
 
-// After a tick: how far the skin near obstacles has moved since contacts were searched in its shape,
-// as far as their points, and half as far again for the points beside them. Infinite: not known.
+// After a tick: how far the skin near obstacles has moved since contacts were searched in its
+// shape, as far as their points, and half as far again for the points beside them. Infinite: not
+// known.
 void ContactFrame::note_way_of_skin() {
   float largest = search_.contacts().empty() ? std::numeric_limits<float>::infinity() : 0.0f;
   for (const Contact& c : search_.contacts()) {

@@ -96,8 +96,8 @@ class ContactFrame {
                       double largest_move, std::optional<double> time = {});
 
   // Ticks: single time steps of one body, between which a frame stays open. A tick does what a step
-  // of solve() does, and nothing else: shapes are formed and contacts searched only when a point may
-  // have come through the band in which they were searched, or kLongestShape has passed.
+  // of solve() does, and nothing else: shapes are formed and contacts searched only when a point
+  // may have come through the band in which they were searched, or kLongestShape has passed.
 
   /// s, for which contacts, shapes and nonlinear terms may stay as they were found.
   static constexpr double kLongestShape = 0.008;
@@ -217,8 +217,8 @@ class ContactFrame {
   // these moved in the last tick; s
   double came_ = 0, skin_moved_ = 0, skin_moves_ = 0, searched_ = 0;
   bool is_formed_ = false;  // the shapes are those at the end of the last tick
-  double left_behind_ = 0;   // m, by which obstacles are kept back in it
-  double least_band_ = 0;    // m, of the members
+  double left_behind_ = 0;  // m, by which obstacles are kept back in it
+  double least_band_ = 0;   // m, of the members
 
   std::vector<Contact> pressed_;         // contacts that take part in an iteration,
   std::vector<std::size_t> of_pressed_;  // and their indices among all contacts

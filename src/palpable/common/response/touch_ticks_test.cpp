@@ -97,7 +97,8 @@ TEST_CASE("ticks have the forces of frames of the same length", "[contact]") {
         apart.push_back((ticked.force() - framed.force()).norm());
       }
       CHECK(largest > 0.01);
-      CHECK(percentile(apart, 0.8) < tolerance(3e-3, "nonlinear terms of up to 8 ms ago") * largest);
+      CHECK(percentile(apart, 0.8) <
+            tolerance(3e-3, "nonlinear terms of up to 8 ms ago") * largest);
       CHECK(percentile(apart, 1.0) <
             tolerance(0.05, "one of the few points begins to rub a tick earlier") * largest);
       CHECK(ticked.state.forces.empty() == framed.state.forces.empty());

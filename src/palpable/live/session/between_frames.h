@@ -66,8 +66,8 @@ class BetweenFrames {
   /// s between that frame and the one before it; 0: it is the first one, or came long after.
   [[nodiscard]] double interval() const { return motion_.interval(); }
 
-  /// Solves contact at `ahead` s after the frame, by a tick (contact/contact_solver.h). Call it with
-  /// rising times.
+  /// Solves contact at `ahead` s after the frame, by a tick (contact/contact_solver.h). Call it
+  /// with rising times.
   void advance(double ahead);
   /// The touches of the last advance(), else of the frame: one per contact patch, the strongest
   /// first.
@@ -86,8 +86,8 @@ class BetweenFrames {
   ObjectSurface surface_;
   bool dynamics_;  // SessionSettings::dynamics
   Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
-  double ahead_ = 0;    // s after the frame, of the last advance()
-  double fastest_ = 0;  // m/s, of the frame's balls
+  double ahead_ = 0;       // s after the frame, of the last advance()
+  double fastest_ = 0;     // m/s, of the frame's balls
   bool is_solved_ = true;  // nothing was left to move in the frame
   std::vector<ObjectBall> balls_;
   TouchState state_;

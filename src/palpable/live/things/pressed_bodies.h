@@ -70,10 +70,10 @@ class PressedBodies {
   /// @param time    s, since the last call; 0 in the first one
   ContactReport tick(std::span<const CapsuleThing> things, std::span<ThingForce> forces,
                      double time);
-  /// Of the last call of advance(): how many capsules have come out of a skin through which they passed, from
-  /// outside to outside, in one call or in several. Only capsules that advance by more than their
-  /// radius, or that the skin did not give way to, may do so. A thing whose number of capsules
-  /// changed is left out: then it is not known which is which.
+  /// Of the last call of advance(): how many capsules have come out of a skin through which they
+  /// passed, from outside to outside, in one call or in several. Only capsules that advance by more
+  /// than their radius, or that the skin did not give way to, may do so. A thing whose number of
+  /// capsules changed is left out: then it is not known which is which.
   [[nodiscard]] int passed_through() const { return passed_through_; }
   /// Sets the bodies back to rest, as if nothing had ever pressed them.
   void forget();
