@@ -88,6 +88,7 @@ class Touch(Structure):
         ("assumed", c_double),
         ("unseen_for", c_double),
         ("thing", c_int64),
+        ("left_out", c_int64),
     ]
 
 

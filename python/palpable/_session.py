@@ -28,7 +28,7 @@ from ._views import FrameMemory, View
 # palpable_thing, packed: faster than an array of ctypes' structs.
 _THING = struct.Struct("@NqNNd")
 # palpable_touch and palpable_frame, unpacked in one call, which is faster than member by member.
-_TOUCH = struct.Struct("@N2i9d4dq")
+_TOUCH = struct.Struct("@N2i9d4d2q")
 _FRAME = struct.Struct("@Nd4i16d2d2id")
 # Types of the library's arrays, as NumPy's protocol for foreign memory names them.
 _FLOATS, _INTS = np.dtype(np.float32).str, np.dtype(np.int32).str
@@ -207,12 +207,13 @@ class Touch(_Record):
     area: float | None  #: m^2, pressed area of the skin; None: unknown
     assumed: float  #: share of the force from sides which the camera does not see
     unseen_for: float  #: s since the obstacle was last measured; 0: in this frame
+    left_out: int  #: contact points near what presses for which there was no room; the nearest took part
 
     _arrays = {name: (getattr(c.Touch, name).offset, (3,)) for name in ("point", "normal", "force")}
 
     @staticmethod
     def _read(got: bytes) -> dict[str, Any]:
-        _, body, by, *_, depth, area, assumed, unseen_for, thing = _TOUCH.unpack(got)
+        _, body, by, *_, depth, area, assumed, unseen_for, thing, left_out = _TOUCH.unpack(got)
         return {
             "body": body,
             "by": None if by < 0 else by,
@@ -221,6 +222,7 @@ class Touch(_Record):
             "area": area or None,
             "assumed": assumed,
             "unseen_for": unseen_for,
+            "left_out": left_out,
         }
 
     def to_dict(self) -> dict[str, Any]:

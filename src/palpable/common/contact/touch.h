@@ -33,6 +33,9 @@ struct Touch {
   /// Whether what presses is taken to move as its thing does in the mean, since a camera does not
   /// see how it moves there (ObjectBall::way_is_mean). False without friction.
   bool way_is_mean = false;
+  /// Contact points near what presses the body for which there was no room: the nearest ones took
+  /// part, and the force is theirs.
+  int left_out = 0;
 
   /// N, the whole force on the body.
   [[nodiscard]] Eigen::Vector3d whole_force() const { return force * direction; }

@@ -82,6 +82,7 @@ void touch_fields(JsonFields& object, FeltTouch& touch, bool listed) {
   object.number("assumed", touch.assumed, 4, Invalid::kIgnored);
   object.text("by", touch.by);
   object.id("thing", touch.thing);
+  object.number("left_out", touch.left_out, 0, Invalid::kIgnored);
 }
 
 void fields(JsonFields& line, TouchesLine& felt) {

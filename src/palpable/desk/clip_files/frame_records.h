@@ -138,6 +138,8 @@ struct FeltTouch {
   std::optional<double> friction_coefficient = {};
   /// What presses was taken to move as its thing does in the mean (Touch::way_is_mean).
   bool mean_motion = false;
+  /// Contact points for which there was no room (Touch::left_out); nothing if there was.
+  std::optional<double> left_out = {};
 };
 
 /// touches.jsonl of a result: where and how hard the body is pressed, one line for each frame with

@@ -68,12 +68,14 @@ TEST_CASE("the touches of a frame are one line, and come back", "[clip_files]") 
 
 TEST_CASE("the friction of a touch comes back, and leaves no trace where there is none",
           "[clip_files][friction]") {
-  const FeltTouch rubs{
-      .friction = Eigen::Vector3d(0.25, 0, -0.5), .friction_coefficient = 0.3, .mean_motion = true};
+  const FeltTouch rubs{.friction = Eigen::Vector3d(0.25, 0, -0.5),
+                       .friction_coefficient = 0.3,
+                       .mean_motion = true,
+                       .left_out = 12};
   const std::string line = touches_line({7, {rubs, {}}});
   CHECK(line ==
         "{\"frame\":7,\"touches\":[{\"friction\":[0.250000,0.000000,-0.500000],"
-        "\"friction_coefficient\":0.300000,\"mean_motion\":true},{}]}\n");
+        "\"friction_coefficient\":0.300000,\"mean_motion\":true,\"left_out\":12},{}]}\n");
   const TextIn file(line);
   const std::vector<TouchesLine> read = read_touches(file.path);
   REQUIRE(read.size() == 1);
@@ -81,6 +83,7 @@ TEST_CASE("the friction of a touch comes back, and leaves no trace where there i
   CHECK(read[0].touches[0].friction == Eigen::Vector3d(0.25, 0, -0.5));
   CHECK(read[0].touches[0].friction_coefficient == 0.3);
   CHECK(read[0].touches[0].mean_motion);
+  CHECK(read[0].touches[0].left_out == 12);
   CHECK_FALSE(read[0].touches[1].friction_coefficient);
   CHECK_FALSE(read[0].touches[1].mean_motion);
 }

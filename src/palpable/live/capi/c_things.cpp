@@ -272,6 +272,7 @@ palpable_status palpable_get_touch(const palpable_session* session, int32_t inde
     result.area = one.area;
     result.assumed = one.assumed;
     result.unseen_for = one.unseen_for;
+    result.left_out = one.left_out;
     const auto thing = static_cast<std::size_t>(one.thing);
     result.thing = one.thing >= 0 ? open.things.at(thing) : PALPABLE_NO_THING;
     hand_out(result, kLeastTouch, touch, "touch");

@@ -155,6 +155,31 @@ TEST_CASE("a tick gives the forces on things, and leaves the frame as it is", "[
   CHECK(touches_of(ticked.get())[0].thing == 6);
 }
 
+TEST_CASE("a touch says how many contact points had no room", "[capi]") {
+  const OpenBody ball = ball_at({0, 0, 0});
+  const OpenSession session = session_of({ball.get()});
+  const palpable_capsule finger = finger_at(0, 0.003);
+  const palpable_thing one = thing_of(1, finger);
+  REQUIRE(palpable_press_at(session.get(), &one, 1, 1) == PALPABLE_OK);
+  CHECK(touches_of(session.get())[0].left_out == 0);
+  // Fingertips all over the upper half.
+  std::vector<palpable_capsule> all;
+  for (int ring = 1; ring <= 5; ++ring) {
+    for (int k = 0; k < 6 * ring; ++k) {
+      const double down = 0.3 * ring, round = 2 * M_PI * k / (6 * ring);
+      const Vector3d out(std::sin(down) * std::cos(round), std::sin(down) * std::sin(round),
+                         std::cos(down));
+      const Vector3d at = Vector3d(0, 0, 0.05) + (0.05 + 0.006) * out;
+      all.push_back({{at.x(), at.y(), at.z()}, {at.x(), at.y(), at.z()}, 0.008, 0.008});
+    }
+  }
+  const palpable_thing many{sizeof(palpable_thing), 2, all.data(), all.size(), 0};
+  REQUIRE(palpable_press_at(session.get(), &many, 1, 2) == PALPABLE_OK);
+  const std::vector<palpable_touch> touches = touches_of(session.get());
+  REQUIRE(!touches.empty());
+  for (const palpable_touch& touch : touches) CHECK(touch.left_out > 0);
+}
+
 TEST_CASE("ticks of several bodies, and what ticks refuse", "[capi]") {
   const OpenBody left = ball_at({0, 0, 0}), right = ball_at({0.3, 0, 0});
   const OpenSession session = session_of({left.get(), right.get()});

@@ -334,6 +334,9 @@ typedef struct palpable_touch {
   double assumed;    /**< share of the force that comes from sides which the camera does not see */
   double unseen_for; /**< s since the obstacle was last measured; 0: measured in this frame */
   int64_t thing;     /**< palpable_thing::id of what presses; PALPABLE_NO_THING: not known */
+  /** contact points near what presses the body for which there was no room: the nearest ones took
+   * part, and the force is theirs; 0: there was */
+  int64_t left_out;
 } palpable_touch;
 
 /** Returns a touch of the frame processed last. Touches are sorted by force, the largest first. */

@@ -227,6 +227,10 @@ void EventLines::add_touch(const Touch& touch, std::span<const std::int64_t> thi
   }
   add(",\"unseen_for\":");
   add_number(touch.unseen_for, 6);
+  if (touch.left_out > 0) {
+    add(",\"left_out\":");
+    add_number(touch.left_out, 0);
+  }
   add(",\"world\":{\"point\":");
   add_vector(world_from_body * touch.point_in_body);
   add(",\"force\":");

@@ -41,6 +41,7 @@ TouchesLine felt_in(const FrameLines& scene, int body, const std::vector<std::st
     if (!touch.friction.isZero(0)) entry.friction = touch.friction;
     if (touch.coefficient > 0) entry.friction_coefficient = touch.coefficient;
     entry.mean_motion = touch.way_is_mean;
+    if (touch.left_out > 0) entry.left_out = touch.left_out;
     entry.time = scene.time;
     if (touch.site >= 0) {
       entry.site = touch.site;

@@ -302,6 +302,7 @@ void Session::Parts::find_touches(Scene& scene) {
   scene.friction_residual = scene.ringing = 0;
   const std::optional<double> passed = take_time(scene.time);
   scene.contacts_dropped = 0;
+  int dropped = 0;
   if (together) {
     near.clear();
     for (const auto& body : bodies) near.push_back(body->response.near());
@@ -310,7 +311,7 @@ void Session::Parts::find_touches(Scene& scene) {
     scene.imbalance = report.imbalance;
     scene.left_to_move = report.unsolved();
     scene.inside = report.inside();
-    scene.contacts_dropped = report.dropped;
+    scene.contacts_dropped = dropped = report.dropped;
     scene.friction_residual = report.friction_residual;
     scene.ringing = report.ringing;
   }
@@ -322,12 +323,14 @@ void Session::Parts::find_touches(Scene& scene) {
       const ContactReport report = body.response.report();
       scene.left_to_move = std::max(scene.left_to_move, report.unsolved());
       scene.inside = std::max(scene.inside, report.inside());
-      scene.contacts_dropped += report.dropped;
+      dropped = report.dropped;
+      scene.contacts_dropped += dropped;
       scene.friction_residual = std::max(scene.friction_residual, report.friction_residual);
       scene.ringing += report.ringing;
     }
     for (Touch& touch : body.touches) {
       touch.body = static_cast<int>(k);
+      touch.left_out = dropped;
       if (touch.by >= 0) {
         touch.coefficient =
             friction_between(body.response.coefficient(),

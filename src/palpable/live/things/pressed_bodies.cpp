@@ -181,6 +181,7 @@ ContactReport PressedBodies::advance(std::span<const CapsuleThing> things,
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Pressed& body = *bodies_[k];
     find_touches(body, static_cast<int>(k));
+    for (Touch& touch : body.touches) touch.left_out = report.dropped;
     touches.insert(touches.end(), body.touches.begin(), body.touches.end());
     show(body, shown[k]);
   }
