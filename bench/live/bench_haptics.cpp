@@ -54,7 +54,7 @@ Json json_of(const LeanFigures& lean) {
           {"force_n", lean.force},
           {"depth_mm", 1e3 * lean.depth},
           {"stiffness_n_m", lean.stiffness},
-          {"least_energy_j", lean.least_energy},
+          {"least_energy_in_cycle_j", lean.least_in_cycle},
           {"largest_energy_j", lean.largest_energy}};
 }
 
@@ -100,10 +100,10 @@ void print_haptics(const Json& result) {
     for (const char* how : {"slow", "fast"}) {
       const Json& of = place[how];
       fmt::print(
-          "  {}: {:.2f} N, {:.1f} mm deep, {:.0f} N/m; shakes by {:.2f} mm/s; energy put in {:.1e} "
-          "to {:.1e} J\n",
+          "  {}: {:.2f} N, {:.1f} mm deep, {:.0f} N/m; shakes by {:.2f} mm/s; energy that the body "
+          "took in each cycle at least {:.1e} J\n",
           how, number(of, "force_n"), number(of, "depth_mm"), number(of, "stiffness_n_m"),
-          number(of, "shake_mm_s"), number(of, "least_energy_j"), number(of, "largest_energy_j"));
+          number(of, "shake_mm_s"), number(of, "least_energy_in_cycle_j"));
     }
   }
 }
@@ -131,6 +131,9 @@ void bench_haptics(HapticsBenchOptions options) {
     append(all.ms, one.ms);
     append(all.frame_ms, one.frame_ms);
     append(all.force, one.force);
+    append(all.air_ms, one.air_ms);
+    append(all.press_ms, one.press_ms);
+    append(all.faint, one.faint);
     append(all.jump, one.jump);
     append(late, lateness(body, finger, options.friction));
     Json place = device_figures(body, finger, options);
@@ -152,10 +155,15 @@ void bench_haptics(HapticsBenchOptions options) {
                     {"tick_ms_p50", percentile(all.ms, 0.5)},
                     {"tick_ms_p99", percentile(all.ms, 0.99)},
                     {"tick_late_ms", percentiles(late)},
+                    {"tick_in_air_ms", percentiles(all.air_ms)},
                     {"frame_ms", percentiles(all.frame_ms)},
+                    {"press_ms", percentiles(all.press_ms)},
                     {"tick_force_error", percentile(all.force, 0.5)},
                     {"tick_force_p90", percentile(all.force, 0.9)},
+                    {"tick_force_largest", percentile(all.force, 1.0)},
+                    {"tick_force_off_when_faint_n", percentiles(all.faint)},
                     {"jump", percentiles(all.jump)},
+                    {"jumps", all.jump.size()},
                     {"stable_stiffness", stable},
                     {"places", places}};
   if (options.json) {

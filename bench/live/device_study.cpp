@@ -4,12 +4,14 @@
 #include "palpable/common/contact/capsule_obstacles.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/common/response/touch_solver.h"
+#include "palpable/live/things/pressed_bodies.h"
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <thread>
@@ -21,11 +23,12 @@ using Eigen::Index;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kTick = 1e-3;     // s
-constexpr double kDepth = 5e-3;    // m
-constexpr double kAside = 5e-3;    // m
-constexpr double kLength = 0.04;   // m, of a finger
-constexpr int kEachFrame = 33;     // ticks between frames of a camera
+constexpr double kTick = 1e-3;    // s
+constexpr double kDepth = 5e-3;   // m
+constexpr double kAside = 5e-3;   // m
+constexpr double kLength = 0.04;  // m, of a finger
+constexpr int kEachFrame = 33;    // ticks between frames of a camera
+constexpr double kShakeHz = 5;
 constexpr double kShakes = 0.002;  // m/s: the hand that holds still shakes faster than a device may
 
 // A body that one finger presses, tick by tick.
@@ -55,12 +58,6 @@ class PressedByFinger {
     for (const PointForce& at : state_.forces) sum += at.force.cast<double>();
     return sum;
   }
-  // The state is that of another one, in all parts.
-  void take_over(PressedByFinger& other) {
-    other.solver_.end_ticks();
-    solver_.drop_ticks();
-    state_ = other.state_;
-  }
 
  private:
   [[nodiscard]] double way() const { return static_cast<double>(obstacles_.largest_way()); }
@@ -87,6 +84,22 @@ struct Press {
     return std::clamp(speed / 2 * (t - kDepth / speed), 0.0, kAside);
   }
 };
+
+// N/m, of the body for a further way of 0.2 mm, from where the finger is.
+double stiffness_of(PressedByFinger& pressed, const Vector3d& from, const Vector3d& into) {
+  constexpr double kWay = 2e-4;
+  constexpr int kTicks = 500;
+  const auto force_at = [&](double begin, double end) {
+    for (int k = 1; k <= 2 * kTicks; ++k) {  // goes there, and stays until nothing rings
+      const double share = std::min(1.0, static_cast<double>(k) / kTicks);
+      pressed.show(from + (begin + share * (end - begin)) * into);
+      pressed.tick();
+    }
+    return pressed.force();
+  };
+  const Vector3d before = force_at(0, 0);
+  return (force_at(0, kWay) - before).norm() / kWay;
+}
 
 double rounded_to(double step, double value) { return step * std::round(value / step); }
 
@@ -119,42 +132,58 @@ std::vector<Fingertip> fingertips(const TouchableBody& body, int count, std::uin
 TickFigures tick_figures(const TouchableBody& body, const Fingertip& finger, double friction,
                          double speed) {
   PressedByFinger ticked(body, finger, friction), framed(body, finger, friction),
-      changed(body, finger, friction);
+      mixed(body, finger, friction);
+  PressedBodies whole({{std::make_shared<TouchableBody>(body), Rigid3::Identity(), friction}});
+  std::vector<SceneBody> shown(1);
+  std::vector<Touch> touches;
   const Press press{speed};
   TickFigures figures;
   std::vector<double> apart, sizes;
   int n = 0;
+  const auto timed = [](const auto& call) {
+    double seconds = 0;
+    {
+      const CpuTimer timer(seconds);
+      call();
+    }
+    return 1e3 * seconds;
+  };
   for (double t = press.begin(); t < press.end(); t += kTick, ++n) {
     const Vector3d centre =
         finger.touching + press.in(t)*finger.into + press.aside(t) * finger.aside;
-    for (PressedByFinger* one : {&ticked, &framed, &changed}) one->show(centre);
+    for (PressedByFinger* one : {&ticked, &framed, &mixed}) one->show(centre);
+    const Capsule capsule = finger.at(centre);
+    const CapsuleThing thing{1, {&capsule, 1}};
+    const double tick = timed([&] { ticked.tick(); });
+    const double frame = timed([&] { framed.frame(); });
+    const double call = timed([&] { whole.advance({&thing, 1}, shown, touches, kTick); });
     const bool comes_in = n % kEachFrame == kEachFrame - 1;
-    // Another body goes on from the ticks' state by a whole frame.
-    if (comes_in) changed.take_over(ticked);
-    double tick = 0, frame = 0;
-    {
-      const CpuTimer timer(tick);
-      ticked.tick();
+    if (comes_in) {
+      mixed.frame();
+    } else {
+      mixed.tick();
     }
-    {
-      const CpuTimer timer(frame);
-      framed.frame();
-    }
-    if (comes_in) changed.frame();
     const double size = framed.force().norm();
-    if (!(size > 0) && !(ticked.force().norm() > 0)) continue;
-    if (getenv("DBGT")) fprintf(stderr, "M %.3f\n", 1e3 * tick);
-    figures.ms.push_back(1e3 * tick);
-    figures.frame_ms.push_back(1e3 * frame);
+    if (!(size > 0) && !(ticked.force().norm() > 0)) {
+      figures.air_ms.push_back(tick);
+      continue;
+    }
+    figures.ms.push_back(tick);
+    figures.frame_ms.push_back(frame);
+    figures.press_ms.push_back(call);
     sizes.push_back(size);
     apart.push_back((ticked.force() - framed.force()).norm());
     if (comes_in && size > 0) {
-      figures.jump.push_back((changed.force() - ticked.force()).norm() / size);
+      figures.jump.push_back((mixed.force() - ticked.force()).norm() / size);
     }
   }
   const double largest = sizes.empty() ? 0.0 : *std::max_element(sizes.begin(), sizes.end());
   for (std::size_t k = 0; k < sizes.size(); ++k) {
-    if (sizes[k] > 0.1 * largest) figures.force.push_back(apart[k] / sizes[k]);
+    if (sizes[k] > 0.1 * largest) {
+      figures.force.push_back(apart[k] / sizes[k]);
+    } else {
+      figures.faint.push_back(apart[k]);
+    }
   }
   return figures;
 }
@@ -167,21 +196,28 @@ LeanFigures lean(const TouchableBody& body, const Fingertip& finger, const Devic
   const double step = device.workspace / std::pow(2.0, device.bits), h = 1 / device.rate;
   const double lead = fast ? 0.05 : 1.0;  // s
   Vector3d x = finger.touching - 2e-3 * finger.into, velocity = Vector3d::Zero();
+  Vector3d force = Vector3d::Zero(), next = Vector3d::Zero();
   LeanFigures figures;
-  double energy = 0, squares = 0, forces = 0, depths = 0;
+  figures.least_in_cycle = fast ? std::numeric_limits<double>::infinity() : 0;
+  double energy = 0, at_cycle = 0, squares = 0, forces = 0, depths = 0;
   int last = 0;
+  const auto shakes_at = [&](double t) { return fast && t > lead && t < seconds - 1.5; };
   const auto target = [&](double t) -> Vector3d {
     const double in = -2e-3 + (kDepth + 2e-3) * std::min(1.0, t / lead);
-    const bool shakes = fast && t > lead && t < seconds - 1.5;
-    const double swing = shakes ? 3e-3 * std::sin(2 * std::numbers::pi * 5 * (t - lead)) : 0.0;
+    const double swing =
+        shakes_at(t) ? 3e-3 * std::sin(2 * std::numbers::pi * kShakeHz * (t - lead)) : 0.0;
     return finger.touching + (in + swing) * finger.into;
   };
-  for (double t = 0; t < seconds; t += h) {
-    // The device measures where it is, and holds the answer until it measures again.
-    const Vector3d seen = x.unaryExpr([step](double value) { return rounded_to(step, value); });
-    pressed.show(seen);
+  const auto measure = [&] {
+    pressed.show(x.unaryExpr([step](double value) { return rounded_to(step, value); }));
     pressed.tick();
-    const Vector3d force = -device.gain * pressed.force();
+    return Vector3d(-device.gain * pressed.force());
+  };
+  const int each_cycle = static_cast<int>(std::lround(device.rate / kShakeHz));
+  for (int n = 0; n * h < seconds; ++n) {
+    const double t = n * h;
+    force = next;
+    next = measure();
     const Vector3d before = x;
     constexpr int kParts = 20;  // the device itself moves on in between
     for (int part = 0; part < kParts; ++part) {
@@ -191,8 +227,14 @@ LeanFigures lean(const TouchableBody& body, const Fingertip& finger, const Devic
       x += dt * velocity;
     }
     energy -= force.dot(x - before);
-    figures.least_energy = std::min(figures.least_energy, energy);
     figures.largest_energy = std::max(figures.largest_energy, energy);
+    // The first cycles begin from rest.
+    if (n % each_cycle == 0) {
+      if (shakes_at(t - 3 / kShakeHz) && shakes_at(t)) {
+        figures.least_in_cycle = std::min(figures.least_in_cycle, energy - at_cycle);
+      }
+      at_cycle = energy;
+    }
     if (t < seconds - 1) continue;
     ++last;
     squares += velocity.squaredNorm();
@@ -203,7 +245,7 @@ LeanFigures lean(const TouchableBody& body, const Fingertip& finger, const Devic
   figures.shake = std::sqrt(squares / last);
   figures.force = forces / last;
   figures.depth = depths / last;
-  figures.stiffness = figures.depth > 0 ? figures.force / figures.depth : 0.0;
+  if (figures.is_stable()) figures.stiffness = device.gain * stiffness_of(pressed, x, finger.into);
   return figures;
 }
 

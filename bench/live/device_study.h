@@ -37,17 +37,20 @@ struct Fingertip {
 /// it, and leaves.
 struct TickFigures {
   std::vector<double> ms;        ///< of the processor, of each tick with a force
-  std::vector<double> frame_ms;  ///< of whole frames of 1 ms at the same times
+  std::vector<double> air_ms;    ///< the same without a force: before the finger comes, and after
+  std::vector<double> frame_ms;  ///< of whole frames of 1 ms at the same times as `ms`
+  std::vector<double> press_ms;  ///< of the same frames with skin, stress and touches
   std::vector<double> force;     ///< |F_tick - F_frame| / |F_frame|, of ticks above a tenth of the
                                  ///< largest force
-  /// By how much of its force a tick jumps where a whole frame takes its place, from the same
-  /// state.
+  std::vector<double> faint;     ///< N, |F_tick - F_frame| of the others
+  /// By how much of its force the answer differs from the tick's where each 33rd call is a frame.
   std::vector<double> jump;
 };
 [[nodiscard]] TickFigures tick_figures(const TouchableBody& body, const Fingertip& finger,
                                        double friction, double speed);
 
-/// A force device with one point that moves in space, and the hand that holds it.
+/// A force device with one point that moves in space, and the hand that holds it. The force that it
+/// holds for a tick is that of the position it measured a tick before.
 struct DeviceSettings {
   double mass = 0.05;      ///< kg
   double rate = 1000;      ///< Hz
@@ -64,10 +67,10 @@ struct LeanFigures {
   double shake = 0;      ///< m/s, root mean square of its speed in the last second, at rest
   double force = 0;      ///< N, mean size of the body's force in that second
   double depth = 0;      ///< m, of the device beyond the skin at rest, along `into`
-  double stiffness = 0;  ///< N/m, force over depth, with the gain
-  /// J, energy that the device has put into the body: the least and the largest so far. The least
-  /// of a body that gives none of its own is 0.
-  double least_energy = 0, largest_energy = 0;
+  double stiffness = 0;  ///< N/m, of the body there for a small further way, with the gain
+  /// J, that the device has put into the body: at most, and in that cycle of the shaking in which
+  /// it was least. A body that gives none of its own takes some in each cycle.
+  double largest_energy = 0, least_in_cycle = 0;
   [[nodiscard]] bool is_stable() const;
 };
 

@@ -28,12 +28,13 @@ def side_of(session):
 
 def lean(session, skin):
     """Lets the hand lead the device into the body, along -X: time, depth and force, tick by tick."""
-    place, speed = skin + [RADIUS + 0.003, 0, 0], np.zeros(3)
+    place, speed, force = skin + [RADIUS + 0.003, 0, 0], np.zeros(3), np.zeros(3)
     rows = []
     for tick in range(1, int(SECONDS / TICK)):
         time = tick * TICK
         ball = palpable.Capsules([[*place, *place, RADIUS, RADIUS]], id=1)
-        force = session.tick([ball], time)[0, :3]  # N, on the device
+        felt, reached = session.tick([ball], time)
+        force = felt[0, :3] if reached else force  # N, on the device
         depth = min(0.008, 0.02 * time - 0.003) + (0.002 * np.sin(2 * np.pi * 4 * time) if 1 < time < 2 else 0)
         hand = GRIP * (skin + [RADIUS - depth, 0, 0] - place) - DAMPING * speed
         speed += TICK / MASS * (hand + force)

@@ -133,7 +133,7 @@ _FUNCTIONS = {
     "palpable_feed_stereo": [c_void_p, POINTER(Image), POINTER(Image), c_void_p, c_double],
     "palpable_feed_depth": [c_void_p, POINTER(Image), POINTER(Image), c_void_p, c_double],
     "palpable_press_at": [c_void_p, c_void_p, c_size_t, c_double],
-    "palpable_tick_at": [c_void_p, c_void_p, c_size_t, c_double, c_void_p],
+    "palpable_tick_at": [c_void_p, c_void_p, c_size_t, c_double, c_void_p, c_void_p],
     "palpable_get_frame": [c_void_p, POINTER(Frame)],
     "palpable_get_touch": [c_void_p, c_int32, POINTER(Touch)],
     "palpable_get_skin": [c_void_p, c_int32, POINTER(Skin)],

@@ -455,21 +455,22 @@ class Session:
         self._core.begin_frame(library().palpable_press_at, rows, len(pressing), time)
         self._time = time
 
-    def tick(self, things: Things, time: float) -> npt.NDArray[np.float64]:
+    def tick(self, things: Things, time: float) -> tuple[npt.NDArray[np.float64], bool]:
         """The forces on things alone, for a force device: may be called a thousand times a second (docs/haptics.md).
 
         things  as for press()
         time    s, larger than that of the previous call of press() or tick(), about a millisecond
 
-        Returns (N, 6), of each thing: force in N and torque about the origin in N m, world frame, by the bodies on it.
-        Touches, skins and frame stay those of the last press(), which goes on from here.
+        Returns (N, 6), of each thing: force in N and torque about the origin in N m, world frame, by the bodies on it;
+        and whether these balance the body. Where they do not, a device keeps its last force. Touches, skins and frame
+        stay those of the last press(), which goes on from here.
         """
         rows, pressing = self._rows(things)
-        forces = np.zeros((len(pressing), 6))
+        forces, reached = np.zeros((len(pressing), 6)), ctypes.c_int32()
         with self._core as session:
-            check(library().palpable_tick_at(session, rows, len(pressing), time, forces.ctypes.data))
+            check(library().palpable_tick_at(session, rows, len(pressing), time, forces.ctypes.data, ctypes.byref(reached)))
         self._time = time
-        return forces
+        return forces, reached.value != 0
 
     @staticmethod
     def _rows(things: Things) -> tuple[bytes, Sequence[Capsules]]:

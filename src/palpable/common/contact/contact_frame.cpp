@@ -658,11 +658,15 @@ void ContactFrame::end_step(double shift, bool last) {
   shift_before_ = shift;
 }
 
+// Whether the last step's iterations have converged.
+bool ContactFrame::is_settled() const {
+  return !is_stuck_ && !is_entered_ && report_.last_change <= kUnsettled * limits_.largest_step;
+}
+
 // Applies the step limit to each body; the rest of its displacement is left to later frames.
 void ContactFrame::end_frame(double largest_move) {
   for (const int k : members_) part(k).body->end_frame(part(k).penetration);
-  const bool settled =
-      !is_stuck_ && !is_entered_ && report_.last_change <= kUnsettled * limits_.largest_step;
+  const bool settled = is_settled();
   report_.stuck = is_stuck_;
   // Inertia limits what moves; what obstacles entered by no motion of theirs stays behind them.
   if (is_timed_) {
@@ -961,16 +965,17 @@ void ContactFrame::run_in_time(double largest_move, double time) {
   shift_before_ = unsolved;
   // Shapes are formed, and contacts searched in them, where a point may have come through the band
   // in which they were searched.
-  double gone = std::numeric_limits<double>::infinity();
   bool is_fresh = true;
   const auto run = [&](double shift, double way, bool last) {
     move_obstacles(done_);
-    const bool anew = last || gone + way > kSearchAgain * least_band_;
+    const bool anew = last || is_fresh || may_have_come(way);
     if (anew && !is_fresh) form_shapes(false);
-    gone = anew ? way : gone + way;
+    if (anew) came_ = skin_moved_ = 0;
+    came_ += way;
     is_fresh = false;
     run_step(anew ? Search::kAnew : Search::kGoesOn, shift, last);
     end_step(shift, last);
+    note_way_of_skin();
   };
   done_ = 0;
   set_time_step(0);
@@ -978,7 +983,10 @@ void ContactFrame::run_in_time(double largest_move, double time) {
     run(std::max(left_behind_, unsolved - step * limits_.largest_step), limits_.band, false);
   }
   int steps = 1;
-  if (is_anything_near()) {
+  // Where neither obstacles nor skin move by more than what iterations leave, one step is as good
+  // as many: its forces are constant.
+  const bool is_still = way_of_obstacles + largest_way_by_inertia(time) < limits_.tolerance;
+  if (!is_still && is_anything_near()) {
     const double of_obstacles =
         std::isfinite(way_of_obstacles) ? std::ceil(way_of_obstacles / limits_.largest_step) : 1.0;
     steps = std::max(steps_in(time), static_cast<int>(std::min(of_obstacles, kMostOfObstacles)));
@@ -987,30 +995,35 @@ void ContactFrame::run_in_time(double largest_move, double time) {
   set_time_step(h);
   for (int step = 1; step <= steps; ++step) {
     done_ = static_cast<float>(step) / static_cast<float>(steps);
-    run(left_behind_, largest_way_by_inertia(h) + way_of_obstacles / steps, step == steps);
+    run(left_behind_, way_of_obstacles / steps, step == steps);
   }
 }
 
-// After a tick: how far the skin near obstacles has moved since contacts were searched in its
-// shape, as far as their points, and half as far again for the points beside them. Infinite: not
-// known.
+// After a step: how far the skin has moved since contacts were searched in its shape. Its contact
+// points are followed, and the skin beside them may have moved half as far again; farther away it
+// moves by inertia.
 void ContactFrame::note_way_of_skin() {
-  float largest = search_.contacts().empty() ? std::numeric_limits<float>::infinity() : 0.0f;
+  double moved = 0;
+  for (const int k : members_) moved = std::max(moved, part(k).body->way_by_inertia());
   for (const Contact& c : search_.contacts()) {
     ContactBody& body = *part(c.body).body;
-    largest = std::max(largest, (body.position(c.place) - body.shape_at(c.point)).norm());
+    const float way = kBesidePoints * (body.position(c.place) - body.shape_at(c.point)).norm();
+    moved = std::max(moved, static_cast<double>(way));
   }
-  const auto moved = static_cast<double>(kBesidePoints * largest);
-  skin_moves_ = std::isfinite(moved) ? std::max(0.0, moved - skin_moved_) : moved;
+  if (!pairs_.empty()) moved *= 2;  // towards each other
+  skin_moves_ = std::max(0.0, moved - skin_moved_);
   skin_moved_ = moved;
 }
 
-// Whether contacts must be searched in a new shape for a tick of h (s) in which obstacles come by
-// `way` (m): a point may come through the band in which they were searched, if the skin moves on as
-// in the tick before, or it was long ago.
+// Whether a point may come through the band in which contacts were searched, in a step in which
+// obstacles come by `way` (m) and the skin moves on as in the step before.
+bool ContactFrame::may_have_come(double way) const {
+  return !(came_ + way + skin_moved_ + skin_moves_ < kSearchAgain * least_band_);
+}
+
+// Whether contacts must be searched in a new shape for a tick of h, s.
 bool ContactFrame::is_shape_due(double h, double way) const {
-  return !(came_ + way + skin_moved_ + skin_moves_ < kSearchAgain * least_band_) ||
-         searched_ + 0.5 * h > kLongestShape;
+  return may_have_come(way) || searched_ + 0.5 * h > kLongestShape;
 }
 
 ContactReport ContactFrame::tick(std::span<const int> members, double h, double way) {
@@ -1047,6 +1060,8 @@ ContactReport ContactFrame::tick(std::span<const int> members, double h, double 
   }
   if (rubs_) report_.friction_residual = problem_.residual();
   report_.stuck = is_stuck_;
+  if (!is_settled()) report_.left_to_move = report_.last_change;
+  for (const int k : members_) report_.ringing += part(k).body->ringing();
   return report_;
 }
 

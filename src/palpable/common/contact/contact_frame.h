@@ -165,6 +165,7 @@ class ContactFrame {
   void run_last_step(double shift, int most);
   void form_shapes(bool all);
   void end_step(double shift, bool last);
+  [[nodiscard]] bool is_settled() const;
   void end_frame(double largest_move);
   void judge();
   bool find_parts(const ContactPart& one, float radius);
@@ -195,6 +196,7 @@ class ContactFrame {
   [[nodiscard]] double largest_way_by_inertia(double time) const;
   [[nodiscard]] bool is_off_at_begin() const;
   void note_way_of_skin();
+  [[nodiscard]] bool may_have_come(double way) const;
   [[nodiscard]] bool is_shape_due(double h, double way) const;
   void set_time_step(double h);
   void begin_without_way(std::optional<double> time);

@@ -20,6 +20,8 @@ constexpr float kBesideBody = 0.004f, kFastest = 0.05f;
 // m, smallest gap between bodies at rest. Without it rounding of positions in single precision
 // would cause tiny forces, and bodies at rest would be solved in every frame.
 constexpr float kStandsOff = 2e-5f;
+// A tick may be late: of a body's steps (ContactBody::steps_in()) so many are made in one.
+constexpr int kMostStepsOfTick = 2;
 
 // (F) m, distance of each vertex from the nearest one on a sharp edge; 1 if there is none.
 std::vector<float> distances_from_edges(const MovingSurface& skin) {
@@ -299,11 +301,15 @@ ContactReport ContactSolver::tick(const Near& near, double h, double way) {
   Work& w = *work_;
   PALPABLE_EXPECT(w.parts.size() == 1 && h > 0, "a tick of one body");
   ContactBody& body = *w.parts.front().body;
-  if (!(way <= body.limits().largest_step) || body.steps_in(h) > 1) return advance({&near, 1}, h);
+  Work::Member& member = w.members.front();
+  // Where the solution was not reached, a frame goes on towards it without giving velocity.
+  const bool is_solved = !member.report.stuck && !(member.report.left_to_move > kReached);
+  if (!is_solved || !(way <= body.limits().largest_step) || body.steps_in(h) > kMostStepsOfTick) {
+    return advance({&near, 1}, h);
+  }
   w.parts.front().obstacles = near.obstacles;
   if (!w.frame->ticks()) body.begin_frame();
   w.solved.assign(1, 0);
-  Work::Member& member = w.members.front();
   member.report = w.frame->tick(w.solved, h, way);
   member.is_at_rest = false;
   return member.report;

@@ -92,8 +92,9 @@ class ContactSolver {
   // fraction of a frame's time. Between ticks its state has its forces, anchors and vibration; its
   // displacement is that of some ticks before (ContactFrame::kLongestShape) until end_ticks().
 
-  /// One tick. Where obstacles came so far that a frame would be divided, or were not there before,
-  /// it is a frame.
+  /// One tick. It is a whole frame where the call before did not reach its solution, where the way
+  /// is longer than a step of contact or not known, and where the time is longer than two steps of
+  /// inertia.
   /// @pre the solver has one member, a body with tables
   /// @param near  whose step limit holds in frames alone
   /// @param h     s, since the tick or the frame before, above 0

@@ -48,8 +48,10 @@ class FollowedLoads {
                   std::span<const int> regions, NonlinearResponse& nonlinear);
   /// Evaluates the nonlinear terms under other loads, which a step without time needs.
   void evaluate(std::span<const VertexForce> loads, CrossTerms cross, NonlinearResponse& nonlinear);
-  /// The step ends under these loads. Another one may follow with the same vertices, without
-  /// begin_step(): then the nonlinear terms stay as they were evaluated.
+  /// Another step begins, with the same vertices: the nonlinear terms stay as they were evaluated.
+  /// @param inertia  with this step's time
+  void go_on(const Inertia& inertia) { time_ = inertia.step(); }
+  /// The step ends under these loads.
   void end_step(std::span<const VertexForce> loads, VibrationState& state);
 
   /// The state is static under these loads.

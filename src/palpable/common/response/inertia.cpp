@@ -231,6 +231,15 @@ double Inertia::largest_speed(const VibrationState& state) const {
   return sum;
 }
 
+double Inertia::largest_way(std::span<const double> since, const VibrationState& now, Index nodes) {
+  const auto at = [](std::span<const double> q, std::size_t k) { return q.empty() ? 0.0 : q[k]; };
+  for (std::size_t k = 0; k < omega_.size(); ++k) {
+    of_state_[k] = static_cast<float>(at(now.q, k) - at(since, k));
+  }
+  fill(of_state_, nodes);
+  return static_cast<double>(field_.leftCols(nodes).colwise().norm().maxCoeff());
+}
+
 double Inertia::amplitude(const VibrationState& state) const {
   if (!state.moves) return 0;
   double sum = 0;

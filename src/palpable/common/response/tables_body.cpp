@@ -107,6 +107,7 @@ struct TablesBody::Work {
   bool is_bent_at_once = false;           // after a pause: nonlinear terms follow no loads
   std::optional<FollowedLoads> followed;  // with regions
   VibrationState vibration_at_start;
+  std::vector<double> q_of_shape;  // modal coordinates when the shape was formed
 
   Work(const SurfaceMesh& surface_mesh, std::span<const std::uint8_t> fixed,
        const TouchTables& the_tables, const TouchSettings& the_settings);
@@ -245,6 +246,7 @@ void TablesBody::begin_frame() {
   w.forget_surface();
   w.began = state.u;
   w.vibration_at_start = state.vibration;
+  w.q_of_shape = state.vibration.q;
   w.forces_at_start.start(state.forces);
 }
 
@@ -283,6 +285,12 @@ double TablesBody::ringing() const {
 
 double TablesBody::largest_speed() const {
   return work_->inertia ? work_->inertia->largest_speed(work_->state->vibration) : 0.0;
+}
+
+double TablesBody::way_by_inertia() {
+  Work& w = *work_;
+  if (!w.inertia) return 0;
+  return w.inertia->largest_way(w.q_of_shape, w.state->vibration, w.rest.cols());
 }
 
 double TablesBody::amplitude() const {
@@ -411,6 +419,7 @@ void TablesBody::go_on(std::span<const PlaceLoad> loads) {
   w.iteration = 0;
   w.set_loads([&](std::size_t p) { return loads[p].force; });
   if (w.is_timed) w.inertia->begin_step(w.state->vibration, w.loads);
+  if (w.followed && w.follows_loads()) w.followed->go_on(*w.inertia);
   w.find_displacements(CrossTerms::kAsBefore);
 }
 
@@ -590,6 +599,7 @@ void TablesBody::form_shape(bool all) {
   w.fill_shape(all ? w.formed.cols() : w.rest.cols());
   w.shape = &w.formed;
   w.is_formed = true;
+  w.q_of_shape = w.state->vibration.q;
   w.forget_surface();
 }
 

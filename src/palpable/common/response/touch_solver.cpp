@@ -52,7 +52,7 @@ void TouchSolver::find_moved(const TouchState& state, std::vector<Eigen::Vector3
 
 // Ticks of another state end where they are.
 void TouchSolver::use(TouchState& state) {
-  if (used_ != &state) solver_.drop_ticks();
+  if (used_ != &state || state.u.cols() == 0) solver_.drop_ticks();
   used_ = &state;
   body_->use(state);
 }

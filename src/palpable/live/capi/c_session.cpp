@@ -127,13 +127,15 @@ void palpable_session::take_things(std::span<const palpable_thing> the_things) {
   }
 }
 
-void palpable_session::tick_things(std::span<const palpable_thing> the_things, double at,
+bool palpable_session::tick_things(std::span<const palpable_thing> the_things, double at,
                                    std::span<palpable::ThingForce> forces) {
   is_broken = true;
   take_things(the_things);
-  press_->tick(things_, forces, is_first() ? 0.0 : at - last_time());
+  const palpable::ContactReport report =
+      press_->tick(things_, forces, is_first() ? 0.0 : at - last_time());
   ticked_ = at;
   is_broken = false;
+  return !report.stuck && !(report.left_to_move > palpable::kReached);
 }
 
 void palpable_session::process_things(std::span<const palpable_thing> the_things, double at,

@@ -63,7 +63,8 @@ struct palpable_session {
   void process_things(std::span<const palpable_thing> things, double at, bool moves);
 
   /// A tick (palpable_tick_at). @param things, at  as there  @param forces  one for each thing
-  void tick_things(std::span<const palpable_thing> things, double at,
+  /// @return whether the answer was reached
+  bool tick_things(std::span<const palpable_thing> things, double at,
                    std::span<palpable::ThingForce> forces);
 
   /// s, of the last frame or tick; not a number before the first one.

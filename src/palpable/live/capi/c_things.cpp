@@ -222,14 +222,16 @@ palpable_status palpable_press_at(palpable_session* session, const palpable_thin
 }
 
 palpable_status palpable_tick_at(palpable_session* session, const palpable_thing* things,
-                                 size_t count, double seconds, palpable_thing_force* forces) {
+                                 size_t count, double seconds, palpable_thing_force* forces,
+                                 int32_t* reached) {
   return guarded([&] {
     palpable_session& open = opened_without_camera(session, "palpable_tick_at");
     palpable::check_time(open, seconds);
     require(forces != nullptr || count == 0, "forces is null");
     const CheckedThings checked(things, count);
     std::array<palpable::ThingForce, palpable::kMostThings> found;
-    open.tick_things(checked.all(), seconds, std::span(found).first(count));
+    const bool is_answer = open.tick_things(checked.all(), seconds, std::span(found).first(count));
+    if (reached != nullptr) *reached = is_answer ? 1 : 0;
     for (std::size_t k = 0; k < count; ++k) {
       write(found[k].force, forces[k].force);
       write(found[k].torque, forces[k].torque);

@@ -113,6 +113,7 @@ TEST_CASE("a tick gives the forces on things, and leaves the frame as it is", "[
   const OpenSession ticked = session_of({ball.get()}), framed = session_of({ball.get()});
   const palpable_capsule still = finger_at(1, 0);
   std::array<palpable_thing_force, 2> forces{};
+  int32_t reached = 0;
   const auto things_at = [&](const palpable_capsule& finger) {
     return std::array{thing_of(5, still), thing_of(6, finger)};
   };
@@ -123,7 +124,7 @@ TEST_CASE("a tick gives the forces on things, and leaves the frame as it is", "[
     if (k == 0) {
       REQUIRE(palpable_press_at(ticked.get(), things.data(), 2, 0) == PALPABLE_OK);
     } else {
-      REQUIRE(palpable_tick_at(ticked.get(), things.data(), 2, 1e-3 * k, forces.data()) ==
+      REQUIRE(palpable_tick_at(ticked.get(), things.data(), 2, 1e-3 * k, forces.data(), &reached) ==
               PALPABLE_OK);
     }
   }
@@ -136,6 +137,7 @@ TEST_CASE("a tick gives the forces on things, and leaves the frame as it is", "[
   CHECK((Vector3d(forces[1].torque) - torque).norm() <
         tolerance(0.001, "m, of the centre of pressure") * on_body.norm());
   CHECK(Vector3d(forces[0].force).isZero(0));
+  CHECK(reached == 1);
   // The frame is still the one without a touch; the next one goes on from the ticks.
   CHECK(touches_of(ticked.get()).empty());
   auto frame = test::sized<palpable_frame>();
@@ -180,6 +182,54 @@ TEST_CASE("a touch says how many contact points had no room", "[capi]") {
   for (const palpable_touch& touch : touches) CHECK(touch.left_out > 0);
 }
 
+TEST_CASE("a thing that comes in a tick is felt at once, as in a frame", "[capi]") {
+  const OpenBody ball = ball_at({0, 0, 0});
+  const OpenSession ticked = session_of({ball.get()}), framed = session_of({ball.get()});
+  const palpable_capsule one = finger_at(0, 0.003), other = finger_at(0.03, 0.012);
+  const std::array things{thing_of(1, one), thing_of(2, other)};
+  std::array<palpable_thing_force, 2> forces{};
+  for (int k = 0; k < 20; ++k) {
+    REQUIRE(palpable_tick_at(ticked.get(), things.data(), 1, 1e-3 * k, forces.data(), nullptr) ==
+            PALPABLE_OK);
+    REQUIRE(palpable_press_at(framed.get(), things.data(), 1, 1e-3 * k) == PALPABLE_OK);
+  }
+  REQUIRE(palpable_tick_at(ticked.get(), things.data(), 2, 0.02, forces.data(), nullptr) ==
+          PALPABLE_OK);
+  REQUIRE(palpable_press_at(framed.get(), things.data(), 2, 0.02) == PALPABLE_OK);
+  for (const palpable_touch& touch : touches_of(framed.get())) {
+    const Vector3d felt(forces[touch.thing == 1 ? 0 : 1].force), on_body(touch.force);
+    CHECK((felt + on_body).norm() < tolerance(0.02, "a tick's") * on_body.norm());
+  }
+  CHECK(Vector3d(forces[1].force).norm() > 0.05);
+  // They go, and nothing is felt.
+  REQUIRE(palpable_tick_at(ticked.get(), nullptr, 0, 0.021, nullptr, nullptr) == PALPABLE_OK);
+  REQUIRE(palpable_tick_at(ticked.get(), things.data() + 1, 1, 0.022, forces.data(), nullptr) ==
+          PALPABLE_OK);
+  CHECK(Vector3d(forces[0].force).norm() > 0.05);
+}
+
+TEST_CASE("a device that goes round a body in ticks has not passed through it", "[capi]") {
+  const OpenBody ball = ball_at({0, 0, 0});
+  const OpenSession session = session_of({ball.get()});
+  palpable_capsule finger{};
+  palpable_thing thing = thing_of(1, finger);
+  palpable_thing_force force{};
+  constexpr int kTicks = 200;
+  for (int k = 0; k <= kTicks; ++k) {
+    const double turn = M_PI * k / kTicks;
+    const Vector3d at(0.1 * std::cos(turn), 0.1 * std::sin(turn), 0.05);
+    finger = {{at.x(), at.y(), at.z()}, {at.x(), at.y(), at.z()}, 0.008, 0.008};
+    if (k == 0 || k == kTicks) {
+      REQUIRE(palpable_press_at(session.get(), &thing, 1, 1e-3 * k) == PALPABLE_OK);
+    } else {
+      REQUIRE(palpable_tick_at(session.get(), &thing, 1, 1e-3 * k, &force, nullptr) == PALPABLE_OK);
+    }
+  }
+  auto frame = test::sized<palpable_frame>();
+  REQUIRE(palpable_get_frame(session.get(), &frame) == PALPABLE_OK);
+  CHECK(frame.passed_through == 0);
+}
+
 TEST_CASE("ticks of several bodies, and what ticks refuse", "[capi]") {
   const OpenBody left = ball_at({0, 0, 0}), right = ball_at({0.3, 0, 0});
   const OpenSession session = session_of({left.get(), right.get()});
@@ -187,17 +237,23 @@ TEST_CASE("ticks of several bodies, and what ticks refuse", "[capi]") {
   const std::array things{thing_of(1, a), thing_of(2, b)};
   std::array<palpable_thing_force, 2> forces{};
   const auto tick_at = [&](double seconds, palpable_thing_force* to) {
-    return palpable_tick_at(session.get(), things.data(), 2, seconds, to);
+    return palpable_tick_at(session.get(), things.data(), 2, seconds, to, nullptr);
   };
   REQUIRE(tick_at(1, forces.data()) == PALPABLE_OK);
   REQUIRE(tick_at(1.001, forces.data()) == PALPABLE_OK);
-  CHECK(forces[0].force[2] > 0.01);
-  CHECK(forces[1].force[2] > 0.01);
+  const OpenSession framed = session_of({left.get(), right.get()});
+  for (const double seconds : {1.0, 1.001}) {
+    REQUIRE(palpable_press_at(framed.get(), things.data(), 2, seconds) == PALPABLE_OK);
+  }
+  for (const palpable_touch& touch : touches_of(framed.get())) {
+    const Vector3d felt(forces[static_cast<std::size_t>(touch.thing - 1)].force);
+    CHECK((felt + Vector3d(touch.force)).norm() < tolerance(1e-5, "floats") * felt.norm());
+  }
   CHECK(tick_at(1.001, forces.data()) == PALPABLE_WRONG_ARGUMENT);
   CHECK(tick_at(1.002, nullptr) == PALPABLE_WRONG_ARGUMENT);
   CHECK(palpable_press_at(session.get(), things.data(), 2, 1.001) == PALPABLE_WRONG_ARGUMENT);
-  CHECK(palpable_tick_at(session.get(), nullptr, 0, 1.002, nullptr) == PALPABLE_OK);
-  CHECK(palpable_tick_at(nullptr, nullptr, 0, 2, nullptr) == PALPABLE_WRONG_ARGUMENT);
+  CHECK(palpable_tick_at(session.get(), nullptr, 0, 1.002, nullptr, nullptr) == PALPABLE_OK);
+  CHECK(palpable_tick_at(nullptr, nullptr, 0, 2, nullptr, nullptr) == PALPABLE_WRONG_ARGUMENT);
 }
 
 TEST_CASE("two things side by side are two touches, as one thing they are one", "[capi]") {

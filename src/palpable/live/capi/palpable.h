@@ -252,13 +252,18 @@ typedef struct palpable_thing_force {
  * things, in a fraction of the time, and may be called a thousand times a second
  * (docs/haptics.md). Touches, skins and palpable_frame stay those of the last palpable_press_at(),
  * which may be called in between as often as there are pictures, and goes on from the last tick. A
- * tick after more than some ms, one in which a capsule comes by more than a millimetre, and one of
- * several bodies cost as much as a frame.
+ * tick costs as much as a frame where there are several bodies, where a capsule comes by more than
+ * a millimetre or is new, after one that did not reach its answer, and, with inertia, after more
+ * than some milliseconds.
  * @param seconds  larger than that of the previous call of either function
- * @param forces   `count` of them, one for each thing, overwritten; null if count is 0 */
+ * @param forces   `count` of them, one for each thing, overwritten; null if count is 0
+ * @param reached  null, or set to 1 where the forces balance the body, 0 where the iterations did
+ *                 not come to an end: a device then keeps its last force. Whether skin gives way
+ *                 where no contact was solved is judged in frames alone (palpable_frame::answer) */
 PALPABLE_API palpable_status palpable_tick_at(palpable_session* session,
                                               const palpable_thing* things, size_t count,
-                                              double seconds, palpable_thing_force* forces);
+                                              double seconds, palpable_thing_force* forces,
+                                              int32_t* reached);
 
 /** palpable_press_at() with one thing without friction whose id is 0, a second after the previous
  * call; the first call is at 1 s. No body has inertia in it: the skins come to rest at once. */

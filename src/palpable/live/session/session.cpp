@@ -302,7 +302,6 @@ void Session::Parts::find_touches(Scene& scene) {
   scene.friction_residual = scene.ringing = 0;
   const std::optional<double> passed = take_time(scene.time);
   scene.contacts_dropped = 0;
-  int dropped = 0;
   if (together) {
     near.clear();
     for (const auto& body : bodies) near.push_back(body->response.near());
@@ -311,7 +310,7 @@ void Session::Parts::find_touches(Scene& scene) {
     scene.imbalance = report.imbalance;
     scene.left_to_move = report.unsolved();
     scene.inside = report.inside();
-    scene.contacts_dropped = dropped = report.dropped;
+    scene.contacts_dropped = report.dropped;
     scene.friction_residual = report.friction_residual;
     scene.ringing = report.ringing;
   }
@@ -319,6 +318,7 @@ void Session::Parts::find_touches(Scene& scene) {
     RememberedBody& body = *bodies[k];
     const int by = gather_others(k);
     body.response.find_touches({scene.time, passed}, others, by, body.touches);
+    int dropped = 0;
     if (!together) {
       const ContactReport report = body.response.report();
       scene.left_to_move = std::max(scene.left_to_move, report.unsolved());
@@ -327,6 +327,8 @@ void Session::Parts::find_touches(Scene& scene) {
       scene.contacts_dropped += dropped;
       scene.friction_residual = std::max(scene.friction_residual, report.friction_residual);
       scene.ringing += report.ringing;
+    } else {
+      dropped = together->report_of(static_cast<int>(k)).dropped;
     }
     for (Touch& touch : body.touches) {
       touch.body = static_cast<int>(k);

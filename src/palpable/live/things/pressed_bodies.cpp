@@ -39,7 +39,12 @@ struct PressedBodies::Pressed {
         world_from_body(member.world_from_body),
         body_from_world(member.world_from_body.inverse()),
         contact(body->body.surface, body->body.fixed, *body->touch,
-                {.friction = member.friction, .inertia = member.dynamics}) {}
+                {.friction = member.friction, .inertia = member.dynamics}) {
+    constexpr std::size_t kMost = 2 * std::size_t{kMostPlacesWithOthers};
+    moved.reserve(kMost);
+    places.reserve(kMost);
+    gaps.reserve(kMost);
+  }
 
   std::shared_ptr<const TouchableBody> body;
   Rigid3 world_from_body, body_from_world;
@@ -49,6 +54,9 @@ struct PressedBodies::Pressed {
   std::vector<Capsule> capsules, capsules_before;  // body frame, of this call and of the last one
   std::optional<StatedError> stated;
   std::vector<Touch> touches;
+  // Of the points with force: m, displacement and position, and what presses there.
+  std::vector<Eigen::Vector3f> moved, places;
+  std::vector<SurfaceGap> gaps;
 };
 
 PressedBodies::PressedBodies(std::vector<Member> members) {
@@ -181,7 +189,9 @@ ContactReport PressedBodies::advance(std::span<const CapsuleThing> things,
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Pressed& body = *bodies_[k];
     find_touches(body, static_cast<int>(k));
-    for (Touch& touch : body.touches) touch.left_out = report.dropped;
+    const int dropped =
+        together_ ? together_->report_of(static_cast<int>(k)).dropped : report.dropped;
+    for (Touch& touch : body.touches) touch.left_out = dropped;
     touches.insert(touches.end(), body.touches.begin(), body.touches.end());
     show(body, shown[k]);
   }
@@ -193,58 +203,63 @@ ContactReport PressedBodies::tick(std::span<const CapsuleThing> things,
                                   std::span<ThingForce> forces, double time) {
   PALPABLE_EXPECT(forces.size() == things.size(), "a force for each thing");
   take(things);
-  keep_outside();
   ContactReport report;
   if (together_ || !(time > 0)) {
     report = solve(time);
   } else {
     Pressed& body = *bodies_.front();
-    report = body.contact.solver().tick(body.state, body.obstacles, time,
-                                        static_cast<double>(body.obstacles.largest_way()));
+    report = body.contact.solver().tick(body.state, body.obstacles, time, way_of_things());
   }
+  follow_outside(report.penetration > kReached);
   std::fill(forces.begin(), forces.end(), ThingForce{});
-  add_forces(forces);
+  for (const auto& body : bodies_) add_forces(*body, forces);
   return report;
 }
 
-// Where each capsule was outside of the skins for the last time does not change in a tick.
-void PressedBodies::keep_outside() {
+// m, no thing has come farther since the last call; infinite if one was not there.
+double PressedBodies::way_of_things() const {
+  for (std::size_t t = 0; t < runs_.size(); ++t) {
+    if (runs_[t].count > 0 && run_before(t) == nullptr) {
+      return std::numeric_limits<double>::infinity();
+    }
+  }
+  return static_cast<double>(bodies_.front()->obstacles.largest_way());
+}
+
+// After a tick: capsules that advance by less than their radius, and are not inside of a body, are
+// outside now; of others it is not known.
+void PressedBodies::follow_outside(bool is_any_inside) {
   outside_ = capsules_;
   for (std::size_t t = 0; t < runs_.size(); ++t) {
     const Run* run = run_before(t);
     if (run == nullptr) continue;
     for (std::size_t k = 0; k < run->count; ++k) {
-      outside_[runs_[t].first + k] = outside_before_[run->first + k];
+      const Capsule& was = outside_before_[run->first + k];
+      Capsule& is = outside_[runs_[t].first + k];
+      const double advanced = std::max((is.a - was.a).norm(), (is.b - was.b).norm());
+      if (is_any_inside || advanced > std::min(is.ra, is.rb)) is = was;
     }
   }
 }
 
-// Adds what the bodies do to the things after a tick.
-void PressedBodies::add_forces(std::span<ThingForce> forces) {
-  const auto add = [&](int thing, const Pressed& body, const Eigen::Vector3d& at,
-                       const Eigen::Vector3d& on_body) {
-    if (thing < 0) return;
-    ThingForce& sum = forces[static_cast<std::size_t>(thing)];
-    const Eigen::Vector3d force = -(body.world_from_body.linear() * on_body);
-    sum.force += force;
-    sum.torque += (body.world_from_body * at).cross(force);
-  };
-  if (!together_) {
-    const Pressed& body = *bodies_.front();
-    const TouchSolver& solver = bodies_.front()->contact.solver();
-    for (const Contact& contact : solver.contacts()) {
-      if (!(contact.pressing > 0) || contact.part < 0) continue;
-      add(things_[static_cast<std::size_t>(contact.part)], body,
-          solver.position_of(contact).cast<double>(), contact.force.cast<double>());
-    }
-    return;
+// Adds what a body does to the things after a tick.
+void PressedBodies::add_forces(Pressed& body, std::span<ThingForce> forces) {
+  body.contact.solver().find_moved(body.state, body.moved);
+  body.places.clear();
+  for (std::size_t k = 0; k < body.moved.size(); ++k) {
+    body.places.push_back(body.contact.solver().places().col(body.state.forces[k].point) +
+                          body.moved[k]);
   }
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    Pressed& body = *bodies_[k];
-    find_touches(body, static_cast<int>(k));
-    for (const Touch& touch : body.touches) {
-      if (touch.by < 0) add(touch.thing, body, touch.point_in_body, touch.whole_force());
-    }
+  body.gaps.resize(body.places.size());
+  body.obstacles.find_gaps(body.places, body.gaps);
+  for (std::size_t k = 0; k < body.places.size(); ++k) {
+    const PointForce& at = body.state.forces[k];
+    const int thing = body.gaps[k].thing;
+    if (at.by >= 0 || thing < 0) continue;
+    ThingForce& sum = forces[static_cast<std::size_t>(thing)];
+    const Eigen::Vector3d force = -(body.world_from_body.linear() * at.force.cast<double>());
+    sum.force += force;
+    sum.torque += (body.world_from_body * body.places[k].cast<double>()).cross(force);
   }
 }
 
@@ -263,6 +278,7 @@ PressedBodies::Passage PressedBodies::passage_of(const Capsule& before, const Ca
 void PressedBodies::forget() {
   for (const auto& body : bodies_) {
     body->state = TouchState();
+    body->contact.solver().drop_ticks();
     if (together_) body->contact.solver().body().use(body->state);
   }
   outside_.clear();

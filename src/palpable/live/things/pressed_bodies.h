@@ -91,8 +91,9 @@ class PressedBodies {
   void match_capsules();
   ContactReport solve(std::optional<double> time);
   void find_touches(Pressed& body, int number);
-  void add_forces(std::span<ThingForce> forces);
-  void keep_outside();
+  void add_forces(Pressed& body, std::span<ThingForce> forces);
+  [[nodiscard]] double way_of_things() const;
+  void follow_outside(bool is_any_inside);
   [[nodiscard]] double coefficient_of(const Touch& touch, Pressed& body) const;
   void show(Pressed& body, SceneBody& shown) const;
   [[nodiscard]] const Run* run_before(std::size_t number) const;
