@@ -36,12 +36,12 @@ export class HandFinder {
 
   get isBusy() { return this.#waiting !== null; }
 
-  /** One picture at a time. @param {ImageBitmap} picture  not mirrored; it is closed
+  /** One picture at a time. @param {ImageData} picture  not mirrored; it is given away
    *  @returns {Promise<FoundHand[]>} */
   find(picture) {
     return new Promise((done, failed) => {
       this.#waiting = { done, failed };
-      this.#worker.postMessage({ find: picture, key: ++this.#key }, [picture]);
+      this.#worker.postMessage({ find: picture, key: ++this.#key }, [picture.data.buffer]);
     });
   }
   #take({ hands, ms, failed }) {

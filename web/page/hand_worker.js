@@ -2,7 +2,7 @@
 // picture; here it is given the few things of a page that it asks for. Nothing but this file and hand_finder.js knows it.
 //
 //   gets  {begin: {folder, sizes}}   address of its files, bytes of each
-//         {find: ImageBitmap, key}
+//         {find: ImageData, key}    
 //   says  {progress: 0..1}, {ready: true}, {hands: [...], key, ms}, {failed: message}
 const kMostHands = 2;
 // Of finding and of following; the package has 0.5, with which a palm that turns is lost: 69 of 80 pictures instead of 79.
@@ -81,7 +81,6 @@ async function find(image, key) {
   const from = performance.now();
   found = null;
   await finder.send({ image });
-  image.close();
   const hands = (found?.multiHandLandmarks ?? []).map((points, k) => ({
     side: found.multiHandedness[k].label.toLowerCase(),
     score: found.multiHandedness[k].score,

@@ -9,6 +9,7 @@ import { kRadius } from './fingers.js';
 
 const kArrow = 0.22;   // of the body's radius, length of a small force's arrow; at most three times as long
 const kSheet = 0.035;  // m, half the side of the sheet around a fingertip
+const kPlainPixels = 0.5; // the same, drawn less finely
 const kMostPixels = 2; // a screen with more for each unit of CSS is drawn with this many
 
 export class Scene {
@@ -37,6 +38,18 @@ export class Scene {
   }
   #mask = new HandMask();
   #tips = [];
+
+  /** Draws less finely, for machines whose graphics are slow beside a webcam: no shadows, the core's own triangles, fewer pixels.
+   *  @param {boolean} is, @param body  that is shown */
+  setPlain(is, body) {
+    if (this.#plain === is) return;
+    this.#plain = is;
+    this.#renderer.shadowMap.enabled = !is;
+    this.show(body);
+    if (this.#frame) this.resize(this.#frame);
+  }
+  get isPlain() { return this.#plain; }
+  #plain = false;
 
   /** Whether the room is the camera's picture, which lies behind the canvas. @param {boolean} is */
   set overPicture(is) {
@@ -70,7 +83,7 @@ export class Scene {
 
   /** @param {import('./pressed_body.js').PressedBody} body */
   show(body) {
-    const skin = body.skin, curved = this.#curved = new CurvedSkin(skin.triangles);
+    const skin = body.skin, curved = this.#curved = new CurvedSkin(skin.triangles, this.#plain);
     const geometry = new three.BufferGeometry();
     geometry.setIndex(new three.BufferAttribute(curved.indices, 1));
     for (const [name, array, size] of [['position', curved.vertices, 3], ['normal', curved.normals, 3],
@@ -135,7 +148,7 @@ export class Scene {
   /** @param {{width: number, height: number, left: number, top: number, right: number, bottom: number}} frame
    *    px of CSS: of the picture, and the strips at its edges that words cover */
   resize(frame) {
-    this.#renderer.setPixelRatio(Math.min(globalThis.devicePixelRatio ?? 1, kMostPixels));
+    this.#renderer.setPixelRatio(Math.min(globalThis.devicePixelRatio ?? 1, this.#plain ? kPlainPixels : kMostPixels));
     this.#renderer.setSize(frame.width, frame.height, false);
     this.#frame = frame;
   }

@@ -13,9 +13,12 @@ const kMeasures = 8;         // finds of a hand from which the body's size in th
 const kSmallest = 0.16;      // of the free picture's shorter side: the body's radius at least
 const kLargest = 0.42;       // and at most
 const kWheel = 0.004;        // m of the plane for each step of the wheel
+const kPatience = 50;        // ms: a browser that tells of no pictures is not waited for
 const kNothingAfter = 3;     // s without a hand
 const kPushed = 1.12;        // growth of a hand over the body that is a push towards the screen
 const kPushTime = 0.7;       // s, over which
+const kSlowest = 1 / 24;     // s between frames, from which on less is drawn
+const kOver = 0.5;           // s, of which the mean is taken
 const kEase = 6;             // 1/s, of the body's size
 
 const at = (id) => document.getElementById(id);
@@ -139,6 +142,8 @@ export class Webcam {
     this.hands = [];
     document.documentElement.classList.remove('webcam');
     this.#page.scene.overPicture = false;
+    this.#interval = 0;
+    this.#page.scene.setPlain(false, this.#page.body);
     this.#say('');
     write('webcam', 'Press with your hand');
     this.#page.redraw();
@@ -165,15 +170,13 @@ export class Webcam {
 
   // Looks at one picture after the other, at its own pace.
   async #look(run) {
-    const video = this.#video;
+    const video = this.#video, pictures = new Pictures(video);
     while (run === this.#run) {
-      const taken = await nextPicture(video);
+      const taken = await pictures.next();
       if (run !== this.#run) return;
       if (document.visibilityState === 'hidden') continue;
       try {
-        const scale = Math.min(1, kFound / Math.max(video.videoWidth, video.videoHeight));
-        const picture = await createImageBitmap(video, { resizeWidth: Math.round(scale * video.videoWidth),
-                                                         resizeHeight: Math.round(scale * video.videoHeight), resizeQuality: 'low' });
+        const picture = this.#shrunk(video);
         const found = await this.#finder.find(picture);
         if (run !== this.#run) return;
         this.#take(found, taken);
@@ -184,6 +187,17 @@ export class Webcam {
       }
     }
   }
+  // In memory, not on the graphics card: a bitmap of a video would be read back by the finder, at ten times the cost where
+  // graphics are done in software.
+  #shrunk(video) {
+    const scale = Math.min(1, kFound / Math.max(video.videoWidth, video.videoHeight));
+    const [width, height] = [video.videoWidth, video.videoHeight].map((px) => Math.round(scale * px));
+    if (this.#small.width !== width || this.#small.height !== height) Object.assign(this.#small, { width, height });
+    const context = this.#small.getContext('2d', { willReadFrequently: true, alpha: false });
+    context.drawImage(video, 0, 0, width, height);
+    return context.getImageData(0, 0, width, height);
+  }
+  #small = document.createElement('canvas');
   get #aspect() { return this.#video.videoHeight / this.#video.videoWidth; }
 
   #take(found, taken) {
@@ -215,12 +229,20 @@ export class Webcam {
   prepare(time, seconds) {
     if (!this.isOn) return this.#presses.count > 0;
     const { orbit } = this.#page;
+    this.#keepUp(seconds);
     if (this.#zoom !== null) {
       orbit.zoom += (1 - Math.exp(-kEase * Math.min(seconds, 0.1))) * (this.#zoom - orbit.zoom);
       if (Math.abs(orbit.zoom - this.#zoom) < 1e-3) this.#zoom = null;
     }
     return true;
   }
+
+  // Draws less finely where frames come too seldom.
+  #keepUp(seconds) {
+    this.#interval += (1 - Math.exp(-seconds / kOver)) * (Math.min(seconds, 0.5) - this.#interval);
+    if (this.#interval > kSlowest) this.#page.scene.setPlain(true, this.#page.body);
+  }
+  #interval = 0;
 
   /** What hands press with, for PressedBody.hands. */
   steps(time) {
@@ -270,14 +292,28 @@ export class Webcam {
   }
 }
 
-/** Waits for a picture of the camera that is new. @returns {Promise<number>}  s, when it was taken, as far as is known */
-function nextPicture(video) {
-  return new Promise((done) => {
-    if (video.requestVideoFrameCallback) {
-      video.requestVideoFrameCallback((shown, { captureTime }) => done((captureTime ?? shown) / 1000));
-      setTimeout(() => done(now()), 1000); // a page in the background shows none
-    } else {
-      setTimeout(() => done(now()), 30);
-    }
-  });
+/** The newest picture's time, and a wait for one that is newer. */
+class Pictures {
+  #video;
+  #taken = null;  // s, of the newest
+  #wake = null;
+
+  constructor(video) {
+    this.#video = video;
+    if (video.requestVideoFrameCallback) this.#follow();
+  }
+  #follow() {
+    this.#video.requestVideoFrameCallback((shown, { captureTime }) => {
+      this.#taken = (captureTime ?? shown) / 1000;
+      this.#wake?.();
+      if (this.#video.srcObject) this.#follow();
+    });
+  }
+  /** @returns {Promise<number>}  s, when the picture was taken, as far as is known */
+  async next() {
+    if (this.#taken === null) await new Promise((done) => { this.#wake = done; setTimeout(done, kPatience); });
+    const taken = this.#taken ?? now();
+    this.#taken = this.#wake = null;
+    return taken;
+  }
 }
