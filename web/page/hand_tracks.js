@@ -11,7 +11,8 @@ export function sizeOf(points) {
 const kOfBreadth = 1.45;
 
 const kSame = 0.5;          // hand sizes, mean of the points: nearer hands of one picture are the same one, found twice
-const kFollow = 1.2;        // hand sizes: as far may a hand be from where it was expected
+const kFollow = 1;          // hand sizes: as far may a hand be from where it was expected,
+const kFollowMore = 5;      // and as many more for each second since (0.5 m/s)
 const kHeld = 0.2;          // s: as long a hand stays that is no longer found
 const kSilence = 1;        // s: as long the finder may say nothing
 const kAhead = 0.1;         // s, most of prediction: a hand that stops was wrong by this times its speed
@@ -106,7 +107,6 @@ export class HandTracks {
    *  @param {import('./hand_finder.js').FoundHand[]} found */
   update(found, time) {
     this.#latest = time;
-    this.#dropLost();
     const left = withoutDoubles(found), pairs = [];
     for (const track of this.#all) {
       for (const hand of left) pairs.push([between(track.at(time), hand.points), track, hand]);
@@ -114,10 +114,11 @@ export class HandTracks {
     pairs.sort((a, b) => a[0] - b[0]);
     const taken = new Set();
     for (const [far, track, hand] of pairs) {
-      if (far > kFollow || taken.has(track) || taken.has(hand)) continue;
+      if (far > kFollow + kFollowMore * (time - track.time) || taken.has(track) || taken.has(hand)) continue;
       taken.add(track).add(hand);
       track.update(hand, time);
     }
+    this.#dropLost();
     for (const hand of left) {
       // A hand that is found anew where a held one is: the same one.
       if (taken.has(hand) || this.#all.length >= kMostHands) continue;

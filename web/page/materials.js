@@ -9,7 +9,7 @@ const kColored = `
 // A line where planes that face the eye cut the body, as wide everywhere (webcam hands press there).
 const kCut = `#include <opaque_fragment>
   float perPixel = max(fwidth(vViewPosition.z), 1e-5);
-  vec2 off = abs(vec2(vViewPosition.z) - planes) / perPixel, line = (1.0 - smoothstep(1.2, 2.4, off)) * step(vec2(0.0), planes);
+  vec2 off = abs(vec2(vViewPosition.z) - planes) / perPixel, line = (1.0 - smoothstep(0.8, 1.8, off)) * step(vec2(0.0), planes);
   gl_FragColor.rgb = mix(gl_FragColor.rgb, vec3(0.75, 0.10, 0.005), max(line.x, line.y));`;
 
 /** Rubber, painted with the stress; material.userData.planes: depths (m) of planes to show, below 0: none. @param {number} top  Pa, of the scale */
