@@ -1,64 +1,75 @@
 // What hands do to the body from frame to frame, without jumps: a hand that comes up over the body comes onto it slowly from
-// before it, one that is lost while it presses goes back slowly along the way it pressed. Pure; no clock, no page.
+// before it; one that touches goes on by 8 mm a frame at most, and no deeper than 12 mm; one that is lost while it presses
+// goes back slowly along the way it pressed. Pure; no clock, no page.
 import { movedBy, reaches, wayBetween } from './hand_placing.js';
 
-const kWay = 0.003;         // m a call of the core: coming on and going back
-const kStep = 0.006;        // m, most of a capsule's way in one call; a fingertip is 7 to 9 mm thick
-const kMostSteps = 4;       // calls in a frame
+const kWay = 0.003;         // m a frame: coming on and going back
+const kTouchWay = 0.008;    // m a frame, most of a hand that touches: at 20 frames a second 160 mm/s
+const kStep = 0.006;        // m, most of a capsule's way in one call of the core; a fingertip is 7 to 9 mm thick
+const kMostSteps = 10;      // calls in a frame
+const kDeepest = 0.012;     // m: a finger of the mouse goes 10 mm deep
+const kThrough = 0.05;      // m: a hand that would be farther in has gone through, and presses again once it is clear
 const kLongestLeave = 0.5;  // s
 const kMostBefore = 0.2;    // m, before the body
-const kDeepest = 0.012;     // m: a finger of the mouse goes 10 mm deep
-const kGlide = 0.006;       // m a call, most that a hand that is deeper is held back more
-const kThrough = 0.05;      // m: a hand that is held back by more has gone through, and presses again once it is clear
 export const kFirstThing = 1_000_000; // ids of the mouse's fingers are below
 
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const scaled = (v, by) => v.map((x) => by * x);
+
+/** How a hand touches: m, the deepest; unit vector along which it presses, null without a touch. */
+function touchOf(touches, id) {
+  let depth = 0, sum = [0, 0, 0];
+  for (const touch of touches) {
+    if (touch.thing !== id) continue;
+    depth = Math.max(depth, touch.depth);
+    sum = sum.map((x, k) => x + touch.force[k]);
+  }
+  const size = Math.hypot(...sum);
+  return { depth, along: size > 0 ? scaled(sum, 1 / size) : null };
+}
+
 export class HandPresses {
-  #all = new Map(); // by id: capsules as the core got them, before: m still to come, leaving since
+  #all = new Map(); // by id: capsules as the core got them (null: none), before: m still to come, leaving since, isThrough
 
   /** @param {{id: number, capsules: Float64Array}[]} hands  where they are now
-   *  @param {{vertices: Float32Array, touches: {thing: number, force: number[]}[], toEye: number[], now: number}} of
+   *  @param {{vertices: Float32Array, touches: {thing: number, force: number[], depth: number}[], toEye: number[], now: number}} of
    *    touches: of the last frame; toEye: unit vector
    *  @returns {{id: number, capsules: Float64Array}[][]}  what to press with, call by call */
   step(hands, { vertices, touches, toEye, now }) {
-    const wanted = new Map(hands.map(({ id, capsules }) => [kFirstThing + id, capsules])), goals = new Map();
-    for (const [id, capsules] of [...wanted]) {
-      const known = this.#all.get(id), before = known?.before ?? distanceBefore(capsules, vertices, toEye);
-      const left = Math.max(0, before - (known ? kWay : 0)), off = heldBack(known?.off ?? [0, 0, 0], touches, id);
-      const isThrough = (known?.isThrough || Math.hypot(...off) > kThrough) && reaches(capsules, vertices);
-      if (isThrough) {
-        wanted.delete(id);
-        if (known.capsules) Object.assign(known, { isThrough, off: [0, 0, 0], before: 0 });
-        else this.#all.set(id, { isThrough, off: [0, 0, 0], before: 0, capsules: null, leaving: null });
-        continue;
-      }
-      this.#all.set(id, { capsules: known?.capsules ?? null, before: left, off, leaving: null, isThrough: false });
-      goals.set(id, movedBy(capsules, toEye.map((x, k) => left * x + off[k])));
+    const goals = new Map(), here = new Set();
+    for (const { id: hand, capsules } of hands) {
+      const id = kFirstThing + hand, known = this.#all.get(id);
+      here.add(id);
+      const before = known ? Math.max(0, known.before - kWay) : distanceBefore(capsules, vertices, toEye);
+      const wanted = before > 0 ? movedBy(capsules, scaled(toEye, before)) : capsules;
+      const goal = known?.capsules ? allowed(known.capsules, wanted, touchOf(touches, id)) : wanted;
+      const isThrough = (known?.isThrough || wayBetween(goal, wanted) > kThrough) && reaches(capsules, vertices);
+      this.#all.set(id, { capsules: known?.capsules ?? null, before, leaving: isThrough ? known.leaving : null, isThrough });
+      if (!isThrough) goals.set(id, goal);
     }
     for (const [id, press] of this.#all) {
-      if (wanted.has(id)) continue;
-      const isHere = hands.some((hand) => kFirstThing + hand.id === id); // and has gone through
-      if (!press.capsules) {
-        if (!isHere) this.#all.delete(id);
-        continue;
-      }
+      if (goals.has(id)) continue;
       press.leaving ??= now;
-      const force = touches.filter(({ thing }) => thing === id).reduce((sum, touch) => sum.map((x, k) => x + touch.force[k]), [0, 0, 0]);
-      const size = Math.hypot(...force);
-      if (size === 0 || now - press.leaving > kLongestLeave) {
-        if (isHere) press.capsules = null;
-        else this.#all.delete(id);
-      } else goals.set(id, movedBy(press.capsules, force.map((x) => -kWay * x / size)));
+      const { along } = touchOf(touches, id);
+      if (press.capsules && along && now - press.leaving <= kLongestLeave) goals.set(id, movedBy(press.capsules, scaled(along, -kWay)));
+      else if (here.has(id)) press.capsules = null;
+      else this.#all.delete(id);
     }
-    let most = 0;
-    for (const [id, goal] of goals) {
-      const from = this.#all.get(id).capsules;
-      if (from) most = Math.max(most, wayBetween(from, goal));
-    }
-    const count = Math.min(Math.max(Math.ceil(most / kStep), 1), kMostSteps), steps = [];
+    return this.#steps(goals, vertices, touches);
+  }
+
+  // On the way to the goals, and no farther than to where a hand that was free first touches.
+  #steps(goals, vertices, touches) {
+    const most = Math.max(0, ...[...goals].map(([id, goal]) => wayBetween(this.#all.get(id).capsules ?? goal, goal)));
+    const count = Math.min(Math.max(Math.ceil(most / kStep), 1), kMostSteps), steps = [], stopped = new Map();
     for (let k = 1; k <= count; ++k) {
-      steps.push([...goals].map(([id, goal]) => ({ id, capsules: mixed(this.#all.get(id).capsules ?? goal, goal, k / count) })));
+      steps.push([...goals].map(([id, goal]) => {
+        const at = stopped.get(id) ?? mixed(this.#all.get(id).capsules ?? goal, goal, k / count);
+        if (k < count && !touches.some(({ thing }) => thing === id) && reaches(at, vertices, 0)) stopped.set(id, at);
+        return { id, capsules: at };
+      }));
     }
-    for (const [id, goal] of goals) this.#all.get(id).capsules = goal;
+    for (const { id, capsules } of steps.at(-1)) this.#all.get(id).capsules = capsules;
     return steps;
   }
   clear() { this.#all.clear(); }
@@ -67,20 +78,20 @@ export class HandPresses {
 
 const mixed = (from, to, share) => to.map((x, k) => from[k] + share * (x - from[k]));
 
-/** How far a hand is held back along the way it presses, so that it is not deeper than kDeepest: it glides on the body. */
-function heldBack(off, touches, id) {
-  let deepest = 0, sum = [0, 0, 0];
-  for (const { thing, depth, force } of touches) {
-    if (thing !== id) continue;
-    deepest = Math.max(deepest, depth);
-    sum = sum.map((x, k) => x + force[k]);
-  }
-  const size = Math.hypot(...sum), length = Math.hypot(...off);
-  if (size > 0 && deepest > kDeepest) {
-    const more = Math.min(deepest - kDeepest, kGlide);
-    return off.map((x, k) => x - more * sum[k] / size);
-  }
-  return deepest > 0.8 * kDeepest || length === 0 ? off : off.map((x) => x * Math.max(0, 1 - kWay / length));
+/** Where a hand may go from one frame to the next. */
+function allowed(from, wanted, { depth, along }) {
+  if (!along) return wanted;
+  const way = wayBetween(from, wanted);
+  if (depth <= kDeepest) return way > kTouchWay ? mixed(from, wanted, kTouchWay / way) : wanted;
+  // Too deep: out again, and along the skin as it likes.
+  const mean = [0, 1, 2].map((k) => {
+    let sum = 0;
+    for (let c = 0; c < from.length; c += 8) sum += wanted[c + k] - from[c + k];
+    return 8 * sum / from.length;
+  });
+  const into = dot(mean, along), back = Math.min(depth - kDeepest, kTouchWay);
+  const shift = mean.map((x, k) => x - into * along[k] + Math.min(into, -back) * along[k]), size = Math.hypot(...shift);
+  return movedBy(from, size > kTouchWay ? scaled(shift, kTouchWay / size) : shift);
 }
 
 /** m towards the eye, at which a hand is clear of the body; 0: it is where it is. */

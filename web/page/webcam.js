@@ -17,6 +17,7 @@ const kPatience = 50;        // ms: a browser that tells of no pictures is not w
 const kNothingAfter = 3;     // s without a hand
 const kPushed = 1.12;        // growth of a hand over the body that is a push towards the screen
 const kPushTime = 0.7;       // s, over which
+const kStays = 0.025;        // m of the hand's, across the picture meanwhile
 const kSlowest = 1 / 24;     // s between frames, from which on less is drawn
 const kOver = 0.5;           // s, of which the mean is taken
 const kEase = 6;             // 1/s, of the body's size
@@ -50,7 +51,7 @@ export class Webcam {
   #shift = 0;           // m of the plane, by the wheel
   #measures = [];
   #zoom = null;         // that the orbit eases to
-  #sizes = new Map();   // by hand: [time, px per metre], of the last second
+  #sizes = new Map();   // by hand, while it is over the body: time, px per metre, place
   #pushed = -Infinity;  // s, when a push towards the screen was seen last
   #seen = -Infinity;    // s, when a hand was
   #run = 0;
@@ -209,7 +210,7 @@ export class Webcam {
     this.#tracks.update(found, taken);
     if (found.length > 0) {
       this.#seen = now();
-      if (this.#measures.length < kMeasures) this.#measure(found[0].points);
+      if (this.#measures.length < kMeasures && isWhole(found[0].points, aspect)) this.#measure(found[0].points);
     }
     this.#page.redraw();
   }
@@ -218,7 +219,7 @@ export class Webcam {
     const { scene, orbit, body } = this.#page, lens = scene.lens;
     this.#measures.push(pxPerMetre(onScreen(points, this.#aspect, scene.width, scene.height)));
     if (this.#measures.length < kMeasures) return;
-    const wanted = this.#measures.toSorted?.((a, b) => a - b)[kMeasures >> 1] ?? [...this.#measures].sort((a, b) => a - b)[kMeasures >> 1];
+    const wanted = [...this.#measures].sort((a, b) => a - b)[kMeasures >> 1];
     const side = Math.min(scene.width, scene.height), { radius, target } = body.shape;
     const px = Math.min(Math.max(wanted, kSmallest * side / radius), kLargest * side / radius);
     const depth = [0, 1, 2].reduce((sum, k) => sum + (target[k] - lens.eye[k]) * lens.forward[k], 0);
@@ -265,19 +266,19 @@ export class Webcam {
         this.#tooFar = true;
         continue;
       }
-      this.#watchPush(id, time, pxPerMetre(screen), this.#planes.get(id).isOver, isTouching);
+      this.#watchPush(id, { time, size: pxPerMetre(screen), x, y }, this.#planes.get(id).isOver && !isTouching);
       this.hands.push({ id, side, capsules, joints: places, tip: { at: pointAt(lens, x, y, depth), depth, touches: isTouching } });
     }
     for (const id of this.#planes.keys()) if (!found.some((hand) => hand.id === id)) this.#planes.delete(id);
     return this.#presses.step(this.hands, { vertices, touches, toEye: lens.forward.map((x) => -x), now: time });
   }
 
-  // A hand over the body that grows in the picture comes nearer to the camera.
-  #watchPush(id, time, size, isOver, isTouching) {
-    const sizes = (this.#sizes.get(id) ?? []).filter(([then]) => time - then < kPushTime);
-    if (isOver && !isTouching && sizes.length > 2 && size > kPushed * Math.min(...sizes.map(([, s]) => s))) this.#pushed = time;
-    sizes.push([time, size]);
-    this.#sizes.set(id, sizes);
+  // A hand over the body that stays where it is in the picture, and grows, comes nearer to the camera.
+  #watchPush(id, seen, isOver) {
+    const kept = (this.#sizes.get(id) ?? []).filter(({ time }) => seen.time - time < kPushTime), first = kept[0];
+    if (isOver && kept.length > 4 && seen.time - first.time > 0.6 * kPushTime && seen.size > kPushed * first.size &&
+        Math.hypot(seen.x - first.x, seen.y - first.y) < kStays * seen.size) this.#pushed = seen.time;
+    this.#sizes.set(id, isOver ? [...kept, seen] : []);
   }
 
   /** After the body was pressed: the scene's hands and the words. */
@@ -291,6 +292,8 @@ export class Webcam {
     else if (time - this.#seen > kNothingAfter) this.#say(kShowHand);
   }
 }
+
+const isWhole = (points, aspect) => points.every((x, k) => k % 3 === 2 || (x > 0.01 && x < (k % 3 ? aspect : 1) - 0.01));
 
 /** The newest picture's time, and a wait for one that is newer. */
 class Pictures {
