@@ -38,12 +38,19 @@ export function pointAt(lens, x, y, depth) {
   return [0, 1, 2].map((k) => eye[k] + a * right[k] + b * up[k] + depth * forward[k]);
 }
 
+const kBeforeEnd = 0.008;         // m: tips are found that far before the finger's end (docs/webcam.md), seen along the last bone
+const kTips = [4, 8, 12, 16, 20];
+
 /** The joints of a hand in the room, its index finger's tip at a depth. */
 export function joints(lens, screen, depth) {
   const places = new Float64Array(63), ofPx = depth / lens.f, tip = screen[3 * kTip + 2];
   for (let k = 0; k < 63; k += 3) {
     const away = depth + (screen[k + 2] - tip) * ofPx;
     places.set(pointAt(lens, screen[k], screen[k + 1], Math.max(away, 0.2 * depth)), k);
+  }
+  for (const tip of kTips) {
+    const along = [0, 1, 2].map((k) => places[3 * tip + k] - places[3 * tip - 3 + k]), size = Math.hypot(...along) || 1;
+    for (let k = 0; k < 3; ++k) places[3 * tip + k] += kBeforeEnd * along[k] / size;
   }
   return places;
 }

@@ -20,6 +20,7 @@ const kPushTime = 0.7;       // s, over which
 const kStays = 0.025;        // m of the hand's, across the picture meanwhile
 const kSlowest = 1 / 24;     // s between frames, from which on less is drawn
 const kOver = 0.5;           // s, of which the mean is taken
+const kArea = 1e-3;          // m^2: a hand stops at this times the stress at the colours' top (bunny: 16 N)
 const kEase = 6;             // 1/s, of the body's size
 
 const at = (id) => document.getElementById(id);
@@ -270,7 +271,8 @@ export class Webcam {
       this.hands.push({ id, side, capsules, joints: places, tip: { at: pointAt(lens, x, y, depth), depth, touches: isTouching } });
     }
     for (const id of this.#planes.keys()) if (!found.some((hand) => hand.id === id)) this.#planes.delete(id);
-    return this.#presses.step(this.hands, { vertices, touches, toEye: lens.forward.map((x) => -x), now: time });
+    return this.#presses.step(this.hands, { vertices, touches, toEye: lens.forward.map((x) => -x), now: time,
+                                            strongest: kArea * body.facts.stressTop });
   }
 
   // A hand over the body that stays where it is in the picture, and grows, comes nearer to the camera.
