@@ -128,7 +128,7 @@ export class Webcam {
       if (run !== this.#run) return;
       this.stop();
       this.#say(cameraTrouble(error), true);
-      if (!/Not(Allowed|Found|Readable)Error/.test(error.name)) console.warn(error);
+      if (!/^Not(Allowed|Found|Readable)Error/.test(error.name)) console.warn(error);
     }
   }
 
@@ -150,6 +150,9 @@ export class Webcam {
     write('webcam', 'Press with your hand');
     this.#page.redraw();
   }
+
+  /** For tests. */
+  newFinder(onProgress) { return HandFinder.start(onProgress); }
 
   /** Measures the hand anew, and puts the plane back. */
   reset() {
