@@ -17,6 +17,6 @@ case "$1" in
     has_npm_packages
     [ -e web/dist/page/palpable.wasm ] || skip "web/dist/page is not built (web/page/build.sh)"
     [ -n "$PALPABLE_CHROMIUM" ] || [ -e /usr/bin/chromium ] || skip "chromium is not installed (tools/packages-page.txt)"
-    exec node --test web/page/test.mjs web/page/desk_test.mjs ;;
+    exec node --test web/page/hands_test.mjs web/page/test.mjs web/page/desk_test.mjs web/page/webcam_test.mjs ;;
   *) echo "usage: tests/web.sh core|types|page" >&2; exit 2 ;;
 esac

@@ -26,10 +26,14 @@ export function writePage(folder, bodies, inline) {
 export const chromiumPath = () =>
   [process.env.PALPABLE_CHROMIUM, '/usr/bin/chromium', '/usr/bin/chromium-browser'].find((path) => path && existsSync(path)) ?? null;
 
-/** With WebGL in software, as machines of CI have no graphics. */
-export const launch = () => chromium.launch({
+/** Chromium's arguments for a camera that shows a film over and over, 30 pictures a second. @param {string} film  JPEG files in a row, .mjpeg */
+export const fakeCamera = (film) => ['--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream',
+                                     `--use-file-for-fake-video-capture=${film}`];
+
+/** With WebGL in software, as machines of CI have no graphics. @param {string[]} more  arguments */
+export const launch = (more = []) => chromium.launch({
   executablePath: chromiumPath(),
-  args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+  args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', ...more],
 });
 
 /** Serves a folder on 127.0.0.1, as an isolated origin: there performance.now() counts in steps of 5 us instead of 100.

@@ -30,9 +30,9 @@ export class CurvedSkin {
   #weights;
   #controls = new Float64Array(30);
 
-  /** @param {Int32Array} triangles  of the core */
-  constructor(triangles) {
-    const { points, triangles: within } = patternOf(triangles.length / 3 <= kFine ? kPieces : 2);
+  /** @param {Int32Array} triangles  of the core @param {boolean} plain  draws these as they are */
+  constructor(triangles, plain = false) {
+    const { points, triangles: within } = patternOf(plain ? 1 : triangles.length / 3 <= kFine ? kPieces : 2);
     const count = triangles.length / 3, each = points.length;
     this.#triangles = triangles.slice();
     this.#points = points;

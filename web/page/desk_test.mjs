@@ -228,7 +228,7 @@ test('a run without a camera is shown without a picture, on a phone in the dark'
     assert.equal(await page.evaluate(() => document.getElementById('seen').hidden), true);
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
     await page.getByRole('button', { name: 'How it works' }).click();
-    assert.match(await page.locator('dialog li').first().textContent(), /palpable live/);
+    assert.match(await page.locator('#explained li').first().textContent(), /palpable live/);
     await page.keyboard.press('Escape');
     await shoot(page, 'desk-phone');
     assert.deepEqual(complaints, []);

@@ -26,7 +26,7 @@ export function placeBeside(place, wanted, step, look) {
 }
 
 /** @param actions  start(): Place | null, look(origin, direction), sides, mark(place), press(key, place), release(key),
- *                  turn(dx, dy), face(normal, widest), zoom(steps), reset() */
+ *                  turn(dx, dy), face(normal, widest), zoom(steps), plane(steps), reset() */
 export class Keyboard {
   #actions;
   #place = null;
@@ -58,6 +58,7 @@ export class Keyboard {
     else if (code === 'Space' || key === 'Enter') { if (!repeat) this.#press(code); }
     else if (key === '+' || key === '=') this.#actions.zoom(1);
     else if (key === '-' || key === '_') this.#actions.zoom(-1);
+    else if (key === 'PageUp' || key === 'PageDown') this.#actions.plane(key === 'PageUp' ? 1 : -1);
     else if (key === 'r' || key === 'R') this.#actions.reset();
     else return;
     event.preventDefault();

@@ -6,6 +6,7 @@ import { Orbit } from './orbit.js';
 import { Pointers } from './pointers.js';
 import * as words from './readout.js';
 import { Scene } from './scene.js';
+import { Webcam } from './webcam.js';
 
 const canvas = document.getElementById('view');
 const prefers = (what) => matchMedia(`(prefers-${what})`);
@@ -36,7 +37,11 @@ class Page {
       drag: (key, px) => this.#body?.fingers.drag(key, px),
       release: (key) => this.#release(key),
       turn: (dx, dy) => this.#turn(dx, dy),
-      zoom: (steps) => { this.#orbit?.zoomBy(steps); this.redraw(); },
+      zoom: (steps, isWheel) => {
+        if (isWheel && this.webcam?.isOn) return this.webcam.movePlane(steps);
+        this.#orbit?.zoomBy(steps);
+        this.redraw();
+      },
     });
     this.#keyboard = new Keyboard(canvas, this.#keyboardActions());
     addEventListener('blur', () => this.#body?.fingers.releaseAll(now()));
@@ -54,6 +59,7 @@ class Page {
       turn: (dx, dy) => page.#turn(dx, dy),
       face: (normal, widest) => { page.#orbit.face(normal, widest); page.#scene.place(page.#orbit); },
       zoom: (steps) => { page.#orbit?.zoomBy(steps); page.redraw(); },
+      plane: (steps) => { if (page.webcam?.isOn) page.webcam.movePlane(steps); },
       reset: () => page.#reset(),
     };
   }
@@ -63,6 +69,8 @@ class Page {
     const isSame = this.#body?.facts === body.facts; // it was shown at rest: the view that was chosen stays
     this.#body?.close();
     this.#body = body;
+    body.hands = (time) => this.webcam?.steps(time) ?? [[]];
+    this.webcam?.reset();
     if (!isSame) this.#orbit = new Orbit(body.shape);
     words.showFacts(body);
     words.showReading(body.reading(), body.facts.stressTop);
@@ -71,6 +79,11 @@ class Page {
     this.#resize();
   }
   get body() { return this.#body; }
+  get scene() { return this.#scene; }
+  get orbit() { return this.#orbit; }
+  /** Once the body can be pressed. */
+  webcam = null;
+  offerWebcam() { this.webcam = new Webcam(this); }
   /** px of CSS, of a point of the body (m). */
   pixelOf(point) { return this.#scene.pixelOf(point); }
   get sides() { return this.#scene.sides; }
@@ -88,19 +101,21 @@ class Page {
   #frame() {
     this.#asked = false;
     const time = now(), body = this.#body;
-    const turned = this.#orbit.step(time - this.#before);
+    const turned = this.#orbit.step(time - this.#before), goesOn = this.webcam?.prepare(time, time - this.#before);
     this.#before = time;
+    if (goesOn) this.#scene.place(this.#orbit); // hands are put where this view has them
     if (body.step(time, !stillness.matches)) {
       const reading = body.reading();
       this.#scene.update(body);
       words.showReading(reading, body.facts.stressTop);
       this.#old = true;
     }
+    this.webcam?.show(time);
     this.#speakOnce(body.reading(), time);
-    if (turned || this.#old) this.#scene.draw(this.#orbit);
+    if (turned || goesOn || this.#old) this.#scene.draw(this.#orbit);
     this.#old = false;
     ++this.frames;
-    if (turned || body.moves || body.fingers.count > 0) this.#ask();
+    if (turned || goesOn || body.moves || body.fingers.count > 0) this.#ask();
   }
 
   // A screen reader hears the numbers once in a press: when it has stopped growing for a while, or when it ends.
@@ -147,6 +162,7 @@ class Page {
   #reset() {
     if (!this.#body) return;
     this.#body.reset();
+    this.webcam?.reset();
     this.#keyboard.hide(true);
     this.#orbit.reset(stillness.matches);
     words.say('At rest, as at the beginning.');
@@ -223,6 +239,7 @@ async function begin() {
   // Both at once: the body arrives while the core is compiled.
   await Promise.all([startCore(content), choose(page, content, content.bodies[0])]);
   performance.mark('palpable: ready');
+  page.offerWebcam();
   return page;
 }
 

@@ -6,7 +6,7 @@ const kWheelPerStep = 100;   // px, of one notch
 const kLinePx = 33;          // px, of a wheel that counts lines
 
 /** @param {HTMLCanvasElement} canvas
- *  @param actions  placeAt(x, y), press(key, place), drag(key, px), release(key), turn(dx, dy), zoom(steps) */
+ *  @param actions  placeAt(x, y), press(key, place), drag(key, px), release(key), turn(dx, dy), zoom(steps, isWheel) */
 export class Pointers {
   #canvas;
   #actions;
@@ -76,6 +76,6 @@ export class Pointers {
   #wheel(event) {
     event.preventDefault(); // else a pad's pinch enlarges the page
     const px = event.deltaY * (event.deltaMode === 1 ? kLinePx : 1);
-    this.#actions.zoom(-px / kWheelPerStep * (event.ctrlKey ? 5 : 1));
+    this.#actions.zoom(-px / kWheelPerStep * (event.ctrlKey ? 5 : 1), !event.ctrlKey);
   }
 }

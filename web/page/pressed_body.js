@@ -28,6 +28,8 @@ export class PressedBody {
     this.shape = shapeOf(skin.vertices);
     this.fingers = new Fingers(this.shape.height);
     this.shown = [];
+    /** Other things that press, as steps of a frame: (now) => [[{ id, capsules }, ...], ...], the last one where they are now. */
+    this.hands = null;
     /** Called before each call of the core with what it gets; for tests. */
     this.onPress = null;
   }
@@ -45,13 +47,18 @@ export class PressedBody {
   /** One frame. @returns {boolean} whether the body may have changed */
   step(now, springs) {
     this.shown = this.fingers.step(now, springs);
-    if (this.shown.length === 0 && !this.#moves) return false;
-    const things = this.shown.map(({ id, capsules }) => ({ id, capsules }));
-    this.onPress?.(things, this.#steps + 1);
-    this.#session.pressAt(things, ++this.#steps);
-    this.#moves = things.length > 0 || this.#session.frame.leftToGo > kSettled;
+    const steps = this.hands?.(now) ?? [[]];
+    if (this.shown.length === 0 && steps.at(-1).length === 0 && !this.#moves) return false;
+    const fingers = this.shown.map(({ id, capsules }) => ({ id, capsules }));
+    for (const hands of steps) {
+      const things = [...fingers, ...hands];
+      this.onPress?.(things, this.#steps + 1);
+      this.#session.pressAt(things, ++this.#steps);
+      this.#moves = things.length > 0 || this.#session.frame.leftToGo > kSettled;
+    }
     return true;
   }
+  get touches() { return this.#session.touches; }
   get moves() { return this.#moves; }
 
   /** Forgets everything that has pressed. */
@@ -64,15 +71,17 @@ export class PressedBody {
   /** @returns {{force: number, push: number, stress: number, error: number, fingers: number}}
    *   N: the sizes of the fingers' forces, added; m, the deepest; Pa, the largest; relative, of the stress, or NaN */
   reading() {
-    const byFinger = new Map(), skin = this.skin;
-    for (const { thing, force } of this.#session.touches) {
+    const byFinger = new Map(), skin = this.skin, fingers = new Set(this.shown.map(({ id }) => id));
+    let push = this.shown.reduce((most, finger) => Math.max(most, finger.push), 0);
+    for (const { thing, force, depth } of this.#session.touches) {
+      if (!fingers.has(thing)) push = Math.max(push, depth);
       const sum = byFinger.get(thing) ?? [0, 0, 0];
       byFinger.set(thing, sum.map((x, k) => x + force[k]));
     }
     let force = 0, stress = 0;
     for (const sum of byFinger.values()) force += Math.hypot(...sum);
     for (const x of skin.stress) stress = Math.max(stress, x);
-    const push = this.shown.reduce((most, finger) => Math.max(most, finger.push), 0);
-    return { force, push, stress, error: skin.statedStressError, fingers: this.shown.length };
+    const hands = [...byFinger.keys()].filter((thing) => !fingers.has(thing)).length;
+    return { force, push, stress, error: skin.statedStressError, fingers: this.shown.length + hands };
   }
 }

@@ -51,9 +51,9 @@ export class Room {
 
   paint(scene, renderer, dark) {
     const colors = dark ? kDark : kLight;
-    scene.background = new three.Color(colors.wall);
-    scene.fog = new three.Fog(colors.wall);
-    this.#fog = scene.fog;
+    this.#wall = new three.Color(colors.wall);
+    this.#fog = new three.Fog(colors.wall);
+    this.show(scene, this.#isShown);
     this.#floor.material.map?.dispose();
     this.#floor.material.map = lines(colors.line);
     this.#floor.material.map.wrapS = this.#floor.material.map.wrapT = three.RepeatWrapping;
@@ -68,6 +68,16 @@ export class Room {
     this.#measure();
   }
   #fog;
+
+  /** Shows floor and walls, or leaves them out: then the canvas is clear there. */
+  show(scene, is) {
+    this.#isShown = is;
+    this.#floor.visible = this.#under.visible = is;
+    scene.background = is ? this.#wall : null;
+    scene.fog = is ? this.#fog : null;
+  }
+  #isShown = true;
+  #wall = null;
 
   /** Makes the room large enough for a body. @param {import('./orbit.js').shapeOf} shape */
   fit({ target, radius, foot }) {

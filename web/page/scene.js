@@ -1,12 +1,15 @@
 // The picture: a body in a room, and the fingers on it. Metres, Z up.
 import * as three from 'three';
 import { CurvedSkin } from './curved_skin.js';
-import { bodyMaterial, fingerMaterial } from './materials.js';
+import { HandMask } from './hand_mask.js';
+import { bodyMaterial, fingerMaterial, sheetMaterial } from './materials.js';
 import { Room } from './room.js';
 import { kView } from './orbit.js';
 import { kRadius } from './fingers.js';
 
 const kArrow = 0.22;   // of the body's radius, length of a small force's arrow; at most three times as long
+const kSheet = 0.035;  // m, half the side of the sheet around a fingertip
+const kPlainPixels = 0.5; // the same, drawn less finely
 const kMostPixels = 2; // a screen with more for each unit of CSS is drawn with this many
 
 export class Scene {
@@ -22,7 +25,7 @@ export class Scene {
 
   /** @param {HTMLCanvasElement} canvas  @throws Error where the browser has no WebGL */
   constructor(canvas) {
-    this.#renderer = new three.WebGLRenderer({ canvas, antialias: true });
+    this.#renderer = new three.WebGLRenderer({ canvas, antialias: true, alpha: true }); // a camera's picture may lie behind
     this.#renderer.shadowMap.enabled = true;
     this.#renderer.shadowMap.type = three.PCFShadowMap;
     this.#renderer.shadowMap.autoUpdate = false;
@@ -31,7 +34,48 @@ export class Scene {
     this.#marker = new three.Mesh(new three.TorusGeometry(kRadius, kRadius / 9, 10, 40),
                                   new three.MeshBasicMaterial({ color: 0xd8480a }));
     this.#marker.visible = false;
-    this.#scene.add(...this.#room.parts, this.#body, this.#marker);
+    this.#scene.add(...this.#room.parts, this.#body, this.#marker, this.#mask.mesh);
+  }
+  #mask = new HandMask();
+  #tips = [];
+
+  /** Draws less finely, for machines whose graphics are slow beside a webcam: no shadows, the core's own triangles, fewer pixels.
+   *  @param {boolean} is, @param body  that is shown */
+  setPlain(is, body) {
+    if (this.#plain === is) return;
+    this.#plain = is;
+    this.#renderer.shadowMap.enabled = !is;
+    this.show(body);
+    if (this.#frame) this.resize(this.#frame);
+  }
+  get isPlain() { return this.#plain; }
+  #plain = false;
+
+  /** Whether the room is the camera's picture, which lies behind the canvas. @param {boolean} is */
+  set overPicture(is) {
+    this.#room.show(this.#scene, !is);
+    if (!is) this.showHands([], []);
+  }
+
+  /** Hands of the camera's picture. @param {Float64Array[]} capsules  of each, which hide the body
+   *  @param {{at: number[], depth: number, touches: boolean}[]} tips  m: the fingertip, and the depth of its plane */
+  showHands(capsules, tips) {
+    this.#mask.show(capsules);
+    const planes = this.#body.material.userData.planes?.value;
+    planes?.set(tips[0]?.depth ?? -1, tips[1]?.depth ?? -1);
+    while (this.#tips.length < tips.length) {
+      const sheet = new three.Mesh(new three.PlaneGeometry(2 * kSheet, 2 * kSheet), sheetMaterial(kSheet));
+      sheet.renderOrder = 3;
+      this.#tips.push(sheet);
+      this.#scene.add(sheet);
+    }
+    this.#tips.forEach((sheet, k) => {
+      sheet.visible = tips[k] !== undefined;
+      if (!sheet.visible) return;
+      sheet.position.set(...tips[k].at);
+      sheet.quaternion.copy(this.#camera.quaternion);
+      sheet.material.uniforms.touches.value = tips[k].touches ? 1 : 0;
+    });
   }
 
   /** @param {boolean} dark  the colours of the room */
@@ -39,7 +83,7 @@ export class Scene {
 
   /** @param {import('./pressed_body.js').PressedBody} body */
   show(body) {
-    const skin = body.skin, curved = this.#curved = new CurvedSkin(skin.triangles);
+    const skin = body.skin, curved = this.#curved = new CurvedSkin(skin.triangles, this.#plain);
     const geometry = new three.BufferGeometry();
     geometry.setIndex(new three.BufferAttribute(curved.indices, 1));
     for (const [name, array, size] of [['position', curved.vertices, 3], ['normal', curved.normals, 3],
@@ -104,7 +148,7 @@ export class Scene {
   /** @param {{width: number, height: number, left: number, top: number, right: number, bottom: number}} frame
    *    px of CSS: of the picture, and the strips at its edges that words cover */
   resize(frame) {
-    this.#renderer.setPixelRatio(Math.min(globalThis.devicePixelRatio ?? 1, kMostPixels));
+    this.#renderer.setPixelRatio(Math.min(globalThis.devicePixelRatio ?? 1, this.#plain ? kPlainPixels : kMostPixels));
     this.#renderer.setSize(frame.width, frame.height, false);
     this.#frame = frame;
   }
@@ -140,6 +184,14 @@ export class Scene {
     const { width, height } = this.#frame, p = new three.Vector3(...point).project(this.#camera);
     return [(p.x + 1) / 2 * width, (1 - p.y) / 2 * height];
   }
+  /** @returns {import('./hand_placing.js').Lens} */
+  get lens() {
+    const { width, height, left, top, right, bottom } = this.#frame, m = this.#camera.matrixWorld.elements;
+    return { f: height / 2 / Math.tan(this.#camera.fov * Math.PI / 360), cx: (width - right + left) / 2, cy: (height - bottom + top) / 2,
+             forward: [-m[8], -m[9], -m[10]], ...this.sides };
+  }
+  get width() { return this.#frame.width; }
+  get height() { return this.#frame.height; }
   /** Unit vectors of the picture, right and up, in the room. */
   get sides() {
     const m = this.#camera.matrixWorld.elements;

@@ -235,10 +235,10 @@ test('the page of a disk holds everything, with several bodies to choose from', 
     await list.selectOption({ index: 1 });
     await page.waitForFunction(() => !document.getElementById('bodies').disabled);
     await page.getByRole('button', { name: 'How it works' }).click();
-    assert.equal(await page.locator('dialog li').count(), 10);
+    assert.equal(await page.locator('#explained li').count(), 10);
     await shoot(page, 'how-it-works');
     await page.keyboard.press('Escape');
-    await page.locator('dialog').waitFor({ state: 'hidden' });
+    await page.locator('#explained').waitFor({ state: 'hidden' });
   }, `file://${join(folder, 'inline')}/index.html`);
 });
 

@@ -13,6 +13,7 @@
 #include <array>
 #include <cctype>
 #include <set>
+#include <system_error>
 #include <utility>
 
 namespace palpable {
@@ -90,6 +91,8 @@ void replace_mark(std::string& html, std::string_view mark, std::string_view tex
   html.replace(at, mark.size(), text);
 }
 
+constexpr const char* kHands = "hands";  // as web/page/hand_finder.js has it
+
 constexpr std::string_view kModuleScript = "<script type=\"module\" src=\"page.js\"></script>";
 
 // The later mark first: a body's name may hold the other one.
@@ -102,10 +105,16 @@ std::string filled(std::string html, std::string_view scripts, const Json& facts
 }  // namespace
 
 PageBundle read_page_bundle(const fs::path& folder) {
-  return {.html = read_part(folder / "index.html"),
-          .script = read_part(folder / "page.js"),
-          .classic = read_part(folder / "page-classic.js"),
-          .core = read_part(folder / "palpable.wasm")};
+  PageBundle bundle{.html = read_part(folder / "index.html"),
+                    .script = read_part(folder / "page.js"),
+                    .classic = read_part(folder / "page-classic.js"),
+                    .core = read_part(folder / "palpable.wasm"),
+                    .hands = {}};
+  std::error_code error;  // without them the page says what is missing
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder / kHands, error)) {
+    bundle.hands.emplace_back(entry.path().filename().string(), read_part(entry.path()));
+  }
+  return bundle;
 }
 
 std::optional<ShapeCredit> credit_of(const Provenance& provenance) {
@@ -185,6 +194,10 @@ void write_page(const fs::path& folder, const PageBundle& bundle, std::span<cons
     write_whole_file(folder / "palpable.wasm", bundle.core);
     write_whole_file(folder / "page.js", bundle.script);
     for (const PageBody& body : bodies) write_whole_file(folder / body.file, body.bytes);
+    if (!bundle.hands.empty()) make_folder(folder / kHands);
+    for (const auto& [name, content] : bundle.hands) {
+      write_whole_file(folder / kHands / name, content);
+    }
   }
   write_whole_file(folder / "index.html", html);
 }

@@ -25,6 +25,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace palpable {
@@ -35,6 +36,10 @@ struct PageBundle {
   std::string script;   ///< page.js, a module
   std::string classic;  ///< page-classic.js
   std::string core;     ///< palpable.wasm
+  /// Name and content of what the page fetches to find hands in a webcam's picture
+  /// (docs/webcam.md); empty where the bundle was built without it. Only pages of several files
+  /// have them.
+  std::vector<std::pair<std::string, std::string>> hands;
 };
 
 inline constexpr std::string_view kPageFacts = "/*palpable:page*/";

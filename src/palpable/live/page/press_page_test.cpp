@@ -54,6 +54,19 @@ TEST_CASE("a page for a server has its parts beside it", "[page]") {
   CHECK(html.find("Ynl0ZXM=") == std::string::npos);
 }
 
+TEST_CASE("what finds hands lies beside a page for a server, and not in a page of one file",
+          "[page]") {
+  const ScratchFolder folder("page");
+  const std::vector<PageBody> bodies{small_body("bunny")};
+  PageBundle bundle = small_bundle();
+  bundle.hands = {{"files.json", "{}"}, {"hand_worker.js", "worker"}};
+  write_page(folder / "served", bundle, bodies, false);
+  CHECK(file_bytes(folder / "served/hands/hand_worker.js") == "worker");
+  CHECK(fs::exists(folder / "served/hands/files.json"));
+  write_page(folder / "alone", bundle, bodies, true);
+  CHECK_FALSE(fs::exists(folder / "alone/hands"));
+}
+
 TEST_CASE("a body's name cannot end the page's script", "[page]") {
   const std::vector<PageBody> bodies{small_body("</script><!-- palpable:scripts -->")};
   const std::string html = page_text(small_bundle(), bodies, false);
