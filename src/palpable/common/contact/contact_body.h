@@ -145,8 +145,11 @@ class ContactBody {
   [[nodiscard]] virtual double ringing() const { return 0; }
   /// m, no vertex moves farther from its static position as long as forces do not change.
   [[nodiscard]] virtual double amplitude() const { return 0; }
-  /// m, how far inertia has moved a vertex at most since the shape was formed, or the frame began.
-  [[nodiscard]] virtual double way_by_inertia() { return 0; }
+  /// m, how far inertia has moved one of these vertices (shape_at_vertex()) at most since the shape
+  /// was formed, or the frame began.
+  [[nodiscard]] virtual double way_by_inertia(std::span<const int> vertices) {
+    return static_cast<void>(vertices), 0;
+  }
   /// m/s, no vertex is moved faster by inertia.
   [[nodiscard]] virtual double largest_speed() const { return 0; }
 

@@ -52,6 +52,10 @@ constexpr double kSearchAgain = 0.9;
 // Ratio of how far the skin beside the contact points of a tick may move to how far these moved.
 constexpr float kBesidePoints = 1.5f;
 
+// m: skin that was farther away when contacts were searched does not come into their band before
+// they are searched again.
+constexpr float kWatched = 0.012f;
+
 // Steps into which the way of obstacles divides a frame, at most.
 constexpr double kMostOfObstacles = 64;
 
@@ -832,7 +836,10 @@ double ContactFrame::shift_in(int step, const Division& division) const {
 // Finds the contacts of a step and gives them places.
 void ContactFrame::find_contacts(Search search, double shift) {
   if (search == Search::kGoesOn) return;
-  if (search == Search::kAnew) search_.find(shift);
+  if (search == Search::kAnew) {
+    search_.find(shift);
+    watch_skin();
+  }
   if (search == Search::kRemembered) search_.choose_remembered(shift);
   // A point with a force that is no longer near an obstacle is no contact, and loses its force.
   report_.dropped = 0;
@@ -999,12 +1006,28 @@ void ContactFrame::run_in_time(double largest_move, double time) {
   }
 }
 
+// Contacts were searched: chooses what note_way_of_skin() follows of skin that was not near enough.
+void ContactFrame::watch_skin() {
+  for (const int k : members_) {
+    ContactPart& one = part(k);
+    one.watched.clear();
+    if (!is_timed_) continue;
+    if (!pairs_.empty()) {
+      one.near.find_all_vertices(one.watched);
+    } else if (one.obstacles != nullptr) {
+      one.near.find_near_vertices(kWatched, *one.obstacles, one.watched);
+    }
+  }
+}
+
 // After a step: how far the skin has moved since contacts were searched in its shape. Its contact
 // points are followed, and the skin beside them may have moved half as far again; farther away it
 // moves by inertia.
 void ContactFrame::note_way_of_skin() {
   double moved = 0;
-  for (const int k : members_) moved = std::max(moved, part(k).body->way_by_inertia());
+  for (const int k : members_) {
+    moved = std::max(moved, part(k).body->way_by_inertia(part(k).watched));
+  }
   for (const Contact& c : search_.contacts()) {
     ContactBody& body = *part(c.body).body;
     const float way = kBesidePoints * (body.position(c.place) - body.shape_at(c.point)).norm();

@@ -195,6 +195,7 @@ class ContactFrame {
   [[nodiscard]] double largest_way_of_obstacles() const;
   [[nodiscard]] double largest_way_by_inertia(double time) const;
   [[nodiscard]] bool is_off_at_begin() const;
+  void watch_skin();
   void note_way_of_skin();
   [[nodiscard]] bool may_have_come(double way) const;
   [[nodiscard]] bool is_shape_due(double h, double way) const;

@@ -90,7 +90,9 @@ Vector3f normal_between(ContactPart& part, int point, ContactPart& other,
 
 }  // namespace
 
-ContactPart::ContactPart(ContactBody& the_body) : body(&the_body), near(the_body) {}
+ContactPart::ContactPart(ContactBody& the_body) : body(&the_body), near(the_body) {
+  watched.reserve(near.cluster_count());
+}
 
 ContactSearch::ContactSearch(std::span<ContactPart> parts, int most)
     : parts_(parts), most_(static_cast<std::size_t>(most)) {

@@ -34,6 +34,8 @@ struct ContactPart {
   NearPoints near;
   /// (F) m, distance of each vertex from the nearest sharp edge at rest; 1 without one.
   std::vector<float> edge_distance;
+  /// Vertices whose motion by inertia is followed since the last search (ContactFrame).
+  std::vector<int> watched;
   std::size_t places = 0;                     ///< number of places of the next step
   std::vector<PlaceLoad> loads;               ///< of these
   std::vector<Eigen::Vector3f> place_forces;  ///< likewise, N

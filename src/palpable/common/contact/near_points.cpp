@@ -129,6 +129,23 @@ bool NearPoints::is_far(const SkinCluster& cluster, float band, const Obstacles&
                                   band + kStretch * cluster.radius);
 }
 
+void NearPoints::find_near_vertices(float reach, const Obstacles& obstacles,
+                                    std::vector<int>& vertices) const {
+  vertices.clear();
+  for (const Block& block : blocks_) {
+    if (is_far(block, reach, obstacles)) continue;
+    for (int k = block.first; k < block.last; ++k) {
+      const SkinCluster& cluster = clusters_[static_cast<std::size_t>(k)];
+      if (!is_far(cluster, reach, obstacles)) vertices.push_back(cluster.vertex);
+    }
+  }
+}
+
+void NearPoints::find_all_vertices(std::vector<int>& vertices) const {
+  vertices.clear();
+  for (const SkinCluster& cluster : clusters_) vertices.push_back(cluster.vertex);
+}
+
 float NearPoints::depth_of_points(const Obstacles& obstacles) const {
   float deepest = 0;
   for (const Block& block : blocks_) {

@@ -79,6 +79,13 @@ class NearPoints {
   [[nodiscard]] float depth_of_points(const Obstacles& obstacles) const;
   /// The same of the vertices that the support holds.
   [[nodiscard]] float depth_of_held(const Obstacles& obstacles) const;
+  /// Vertices in the middles of the clusters of contact points of which one may be nearer than
+  /// `reach` (m) to an obstacle. @param vertices  overwritten
+  void find_near_vertices(float reach, const Obstacles& obstacles,
+                          std::vector<int>& vertices) const;
+  /// Of all clusters.
+  void find_all_vertices(std::vector<int>& vertices) const;
+  [[nodiscard]] std::size_t cluster_count() const { return clusters_.size(); }
   /// The contact points that are searched on the skins of other bodies.
   [[nodiscard]] std::span<const int> between() const { return between_; }
 

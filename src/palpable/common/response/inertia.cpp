@@ -231,13 +231,19 @@ double Inertia::largest_speed(const VibrationState& state) const {
   return sum;
 }
 
-double Inertia::largest_way(std::span<const double> since, const VibrationState& now, Index nodes) {
+double Inertia::largest_way(std::span<const double> since, const VibrationState& now,
+                            std::span<const int> vertices) {
   const auto at = [](std::span<const double> q, std::size_t k) { return q.empty() ? 0.0 : q[k]; };
   for (std::size_t k = 0; k < omega_.size(); ++k) {
     of_state_[k] = static_cast<float>(at(now.q, k) - at(since, k));
   }
-  fill(of_state_, nodes);
-  return static_cast<double>(field_.leftCols(nodes).colwise().norm().maxCoeff());
+  float farthest = 0;
+  for (const int vertex : vertices) {
+    Vector3f u;
+    best_row_kernels().dots_floats(rows_.row(3 * Index{vertex}).data(), 3, of_state_, u.data());
+    farthest = std::max(farthest, u.squaredNorm());
+  }
+  return std::sqrt(static_cast<double>(farthest));
 }
 
 double Inertia::amplitude(const VibrationState& state) const {

@@ -119,10 +119,10 @@ class Inertia {
   [[nodiscard]] double energy(const VibrationState& state) const;
   /// m/s, no vertex is moved faster by the modes.
   [[nodiscard]] double largest_speed(const VibrationState& state) const;
-  /// m, how far the modes have moved the vertex, among the first `nodes` nodes, that they moved
-  /// farthest since their coordinates were these (VibrationState::q). Uses what field() returns.
+  /// m, how far the modes have moved that of the vertices which they moved farthest, since their
+  /// coordinates were these (VibrationState::q).
   [[nodiscard]] double largest_way(std::span<const double> since, const VibrationState& now,
-                                   Eigen::Index nodes);
+                                   std::span<const int> vertices);
   /// m, no vertex is farther from its static position, now or as long as forces do not change.
   [[nodiscard]] double amplitude(const VibrationState& state) const;
 

@@ -287,10 +287,10 @@ double TablesBody::largest_speed() const {
   return work_->inertia ? work_->inertia->largest_speed(work_->state->vibration) : 0.0;
 }
 
-double TablesBody::way_by_inertia() {
+double TablesBody::way_by_inertia(std::span<const int> vertices) {
   Work& w = *work_;
-  if (!w.inertia) return 0;
-  return w.inertia->largest_way(w.q_of_shape, w.state->vibration, w.rest.cols());
+  if (!w.inertia || vertices.empty()) return 0;
+  return w.inertia->largest_way(w.q_of_shape, w.state->vibration, vertices);
 }
 
 double TablesBody::amplitude() const {

@@ -117,7 +117,7 @@ class TablesBody final : public ContactBody {
   void forget_time() override;
   [[nodiscard]] double ringing() const override;
   [[nodiscard]] double amplitude() const override;
-  [[nodiscard]] double way_by_inertia() override;
+  [[nodiscard]] double way_by_inertia(std::span<const int> vertices) override;
   [[nodiscard]] double largest_speed() const override;
   [[nodiscard]] Eigen::Vector3f shape_at(int point) override;
   [[nodiscard]] Eigen::Vector3f shape_at_vertex(int vertex) override;
