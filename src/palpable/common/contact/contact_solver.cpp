@@ -20,7 +20,7 @@ constexpr float kBesideBody = 0.004f, kFastest = 0.05f;
 // m, smallest gap between bodies at rest. Without it rounding of positions in single precision
 // would cause tiny forces, and bodies at rest would be solved in every frame.
 constexpr float kStandsOff = 2e-5f;
-// A tick may be late: of a body's steps (ContactBody::steps_in()) so many are made in one.
+// A tick may be late. This many of the steps that a body needs (ContactBody::steps_in()) are one.
 constexpr int kMostStepsOfTick = 2;
 
 // (F) m, distance of each vertex from the nearest one on a sharp edge; 1 if there is none.
